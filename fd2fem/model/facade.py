@@ -1,0 +1,227 @@
+"""The facade: what a reconstruction finds and a drawing states."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fd2fem.errors import InputError
+from fd2fem.model.checks import as_ring, check_positive, signed_area
+from fd2fem.model.frame import FacadeFrame
+
+__all__ = ["EdgeSigma", "Facade", "FilledHole", "Opening", "OpeningKind", "rectangle"]
+
+TOUCH = 1e-6
+"""Two edges closer than this, m, are taken to touch."""
+
+
+class OpeningKind(StrEnum):
+    """What an opening is: a door reaches the ground, a window does not."""
+
+    WINDOW = "window"
+    DOOR = "door"
+
+
+def rectangle(x: float, z: float, width: float, height: float) -> NDArray[np.float64]:
+    """Corners (4, 2), counter-clockwise from the lower left one.
+
+    Examples
+    --------
+    >>> rectangle(1, 2, 3, 4).tolist()
+    [[1.0, 2.0], [4.0, 2.0], [4.0, 6.0], [1.0, 6.0]]
+    """
+    return np.array([[x, z], [x + width, z], [x + width, z + height], [x, z + height]], dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class EdgeSigma:
+    """Standard error of each edge of an opening, m."""
+
+    left: float = 0.0
+    right: float = 0.0
+    bottom: float = 0.0
+    top: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Opening:
+    """A window or door.
+
+    Attributes
+    ----------
+    id : int
+        Number within the facade, from 1, by rows from the ground, left to right.
+    kind : OpeningKind
+    outline : (k, 2) float array, m
+        Facade frame, counter-clockwise, not closed.
+    confidence : float
+        Between 0 and 1; 1 in a drawing.
+    evidence : mapping
+        What spoke for the verdict; JSON values.
+    sigma : EdgeSigma
+    """
+
+    id: int
+    kind: OpeningKind
+    outline: NDArray[np.float64]
+    confidence: float = 1.0
+    evidence: Mapping[str, Any] = field(default_factory=dict)
+    sigma: EdgeSigma = field(default_factory=EdgeSigma)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "outline", as_ring(f"outline of opening {self.id}", self.outline))
+        object.__setattr__(self, "evidence", MappingProxyType(dict(self.evidence)))
+
+    @property
+    def x(self) -> float:
+        """Left edge of the bounding rectangle, m."""
+        return float(self.outline[:, 0].min())
+
+    @property
+    def z(self) -> float:
+        """Lower edge of the bounding rectangle, m."""
+        return float(self.outline[:, 1].min())
+
+    @property
+    def width(self) -> float:
+        """Width of the bounding rectangle, m."""
+        return float(np.ptp(self.outline[:, 0]))
+
+    @property
+    def height(self) -> float:
+        """Height of the bounding rectangle, m."""
+        return float(np.ptp(self.outline[:, 1]))
+
+    @property
+    def area(self) -> float:
+        """Area of the outline, m²."""
+        return signed_area(self.outline)
+
+
+@dataclass(frozen=True, eq=False)
+class FilledHole:
+    """A gap in the points that is not an opening: the wall goes on behind it.
+
+    `outline` (k, 2), m, facade frame, counter-clockwise; `reason` is one sentence.
+    """
+
+    outline: NDArray[np.float64]
+    reason: str
+    evidence: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "outline", as_ring("outline of a filled hole", self.outline))
+        object.__setattr__(self, "evidence", MappingProxyType(dict(self.evidence)))
+
+    @property
+    def area(self) -> float:
+        """Area of the outline, m²."""
+        return signed_area(self.outline)
+
+
+@dataclass(frozen=True, eq=False)
+class Facade:
+    """A wall with its openings, in the facade frame.
+
+    Attributes
+    ----------
+    outline : (k, 2) float array, m
+        Outer edge of the wall, counter-clockwise, not closed; its bounding box starts at (0, 0).
+    thickness : float, m
+    openings : tuple of Opening
+    filled_holes : tuple of FilledHole
+    frame : FacadeFrame
+        Where the facade stands in the world.
+    record : mapping
+        How it came about: points, options, timings, warnings; JSON values.
+
+    Raises
+    ------
+    InputError
+        If an opening leaves the wall, overlaps or touches another one, or leaves no wall.
+    """
+
+    outline: NDArray[np.float64]
+    thickness: float
+    openings: tuple[Opening, ...] = ()
+    filled_holes: tuple[FilledHole, ...] = ()
+    frame: FacadeFrame = field(default_factory=FacadeFrame.identity)
+    record: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "outline", as_ring("outline", self.outline))
+        object.__setattr__(self, "thickness", check_positive("thickness", self.thickness))
+        object.__setattr__(self, "openings", tuple(self.openings))
+        object.__setattr__(self, "filled_holes", tuple(self.filled_holes))
+        object.__setattr__(self, "record", MappingProxyType(dict(self.record)))
+        if np.abs(self.outline.min(axis=0)).max() > TOUCH:
+            low = self.outline.min(axis=0)
+            msg = (
+                f"Invalid 'outline': its lower left corner is ({low[0]:.6g}, {low[1]:.6g}), expected (0, 0)."
+            )
+            raise InputError(msg)
+        _check_openings(self.outline, self.openings)
+
+    @property
+    def length(self) -> float:
+        """Extent along the wall, m."""
+        return float(np.ptp(self.outline[:, 0]))
+
+    @property
+    def height(self) -> float:
+        """Extent upwards, m."""
+        return float(np.ptp(self.outline[:, 1]))
+
+    @property
+    def opening_area(self) -> float:
+        """Sum of the openings' areas, m²."""
+        return float(sum(opening.area for opening in self.openings))
+
+    @property
+    def wall_area(self) -> float:
+        """Area of the wall without its openings, m²."""
+        return signed_area(self.outline) - self.opening_area
+
+
+def _check_openings(outline: NDArray[np.float64], openings: tuple[Opening, ...]) -> None:
+    """Raise unless each opening lies in the wall (a door may reach the ground) and apart from the others."""
+    import shapely
+    from shapely.geometry.base import BaseGeometry
+
+    wall = shapely.Polygon(outline)
+    shapes = [shapely.Polygon(opening.outline) for opening in openings]
+    ground = shapely.LineString([(wall.bounds[0], 0.0), (wall.bounds[2], 0.0)]).buffer(2 * TOUCH)
+    for opening, shape in zip(openings, shapes, strict=True):
+        edges: BaseGeometry = wall.boundary
+        if not wall.buffer(TOUCH).contains(shape):
+            msg = f"{_name(opening)} does not lie inside the wall: move it or correct the wall's outline."
+            raise InputError(msg)
+        if opening.kind is OpeningKind.DOOR:
+            if opening.z > TOUCH:
+                msg = f"{_name(opening)} does not reach the ground at z = 0: call it a window or lower it."
+                raise InputError(msg)
+            edges = edges.difference(ground)
+        if edges.distance(shape) < TOUCH:
+            msg = f"{_name(opening)} touches the edge of the wall: leave wall there or change the outline."
+            raise InputError(msg)
+    tree = shapely.STRtree(shapes)
+    for first, shape in enumerate(shapes):
+        for second in tree.query(shape.buffer(TOUCH)):
+            if first < second and shapes[second].distance(shape) < TOUCH:
+                msg = (
+                    f"openings {openings[first].id} and {openings[second].id} touch or overlap: "
+                    "leave wall between them, or make them one."
+                )
+                raise InputError(msg)
+
+
+def _name(opening: Opening) -> str:
+    """An opening as a message names it."""
+    return (
+        f"opening {opening.id} ({opening.kind}, {opening.width:.3f} x {opening.height:.3f} m "
+        f"at x = {opening.x:.3f}, z = {opening.z:.3f})"
+    )
