@@ -71,6 +71,10 @@ class FacadePoints:
         Root mean square distance of the wall's points to its plane.
     spacing : float, m
         Typical distance between neighbours on the wall.
+    ground : float or None, m
+        Level of the pavement at the wall's foot; ``None`` where the scan does not show it.
+    outside_by : str
+        What told the outside from the inside.
     """
 
     xz: NDArray[np.float64]
@@ -81,6 +85,8 @@ class FacadePoints:
     frame: FacadeFrame
     rms: float
     spacing: float
+    ground: float | None
+    outside_by: str
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "xz", as_points("xz", self.xz, dim=2))

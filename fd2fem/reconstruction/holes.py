@@ -1,0 +1,254 @@
+"""Step 1.2: what each hole is, by the histograms of its boundary points and equation 1.
+
+Where the scanner's position is known, the points before the wall are thrown along their rays onto
+it: a hole that their shadow covers, and behind which nothing was seen, is an occlusion whatever its
+shape.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from fd2fem.model import Boundary, FacadePoints, Hole, HoleKind
+from fd2fem.reconstruction.options import ReconstructionOptions
+
+__all__ = ["RayEvidence", "classify_holes", "equation_1", "histogram_peaks", "ray_evidence"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+SMALLEST = 0.25
+"""Gaps smaller than this share of the smallest opening's area are not holes but missed points."""
+
+
+def equation_1(height: float, length: float, *, options: ReconstructionOptions) -> str:
+    """Why a hole of this size is no opening by equation 1 of the paper, or an empty string if it may be one.
+
+    Parameters
+    ----------
+    height, length : float, m
+
+    Examples
+    --------
+    >>> equation_1(1.5, 1.0, options=ReconstructionOptions())
+    ''
+    >>> equation_1(3.0, 0.2, options=ReconstructionOptions())
+    'length 0.20 m is under 0.40 m'
+    """
+    if length < options.min_opening:
+        return f"length {length:.2f} m is under {options.min_opening:.2f} m"
+    if height < options.min_opening:
+        return f"height {height:.2f} m is under {options.min_opening:.2f} m"
+    if height / length < options.min_aspect:
+        return f"height/length {height / length:.2f} is under {options.min_aspect:.2f}"
+    if height / length > options.max_aspect:
+        return f"height/length {height / length:.2f} is over {options.max_aspect:.2f}"
+    return ""
+
+
+def histogram_peaks(values: FloatArray, *, centre: float, width: float) -> tuple[float, float]:
+    """Positions of the two opposite edges of a hole: the peaks of a coordinate histogram (figure 5).
+
+    Parameters
+    ----------
+    values : (b,) float array, m
+        One coordinate of the hole's boundary points.
+    centre : float, m
+        Inside the hole; one peak lies on either side of it.
+    width : float, m
+        Of a bin.
+
+    Returns
+    -------
+    low, high : float, m
+        Medians of the points in the peak bins; the extreme values where a side has no point.
+
+    Examples
+    --------
+    >>> jambs = np.array([1.0, 1.0, 1.01, 1.4, 1.7, 2.0, 2.0, 1.99])
+    >>> histogram_peaks(jambs, centre=1.5, width=0.05)
+    (1.0, 2.0)
+    """
+    found = []
+    for sign in (-1.0, 1.0):
+        outward = sign * (values - centre)
+        outward = outward[outward > 0]
+        if not len(outward):
+            found.append(float(values.min() if sign < 0 else values.max()))
+            continue
+        edges = np.arange(0.0, outward.max() + 2 * width, width)
+        count, _ = np.histogram(outward, edges)
+        # Pairs of bins, so that a peak that falls on a bin's edge is not halved.
+        pair = count[:-1] + count[1:] if len(count) > 1 else count
+        peak = int(np.argmax(pair))
+        inside = (outward >= edges[peak]) & (outward <= edges[min(peak + 2, len(edges) - 1)])
+        found.append(float(centre + sign * np.median(outward[inside])))
+    return found[0], found[1]
+
+
+@dataclass(frozen=True, eq=False)
+class RayEvidence:
+    """Where the scanners' rays that missed the wall's plane cross it.
+
+    Attributes
+    ----------
+    shadow : (·, 2) float array, m
+        Of the points before the wall, thrown along their rays onto it.
+    seen_through : (·, 2) float array, m
+        Where the rays to the points behind the wall pass it.
+    """
+
+    shadow: FloatArray
+    seen_through: FloatArray
+
+
+def ray_evidence(points: FacadePoints) -> RayEvidence:
+    """Throw the points before and behind the wall along their rays onto its plane.
+
+    Without a scanner's position both are empty. With several stations, each point is thrown from all
+    of them, as a joined scan does not say which one saw it.
+    """
+    crossings = []
+    for away in (points.front, points.behind):
+        thrown = [np.empty((0, 2))]
+        for scanner in points.scanners:
+            run = away[:, 1] - scanner[1]
+            usable = run > 1e-6
+            share = -scanner[1] / run[usable]
+            thrown.append(scanner[[0, 2]] + share[:, None] * (away[usable][:, [0, 2]] - scanner[[0, 2]]))
+        crossings.append(np.concatenate(thrown))
+    return RayEvidence(*crossings)
+
+
+def classify_holes(
+    points: FacadePoints, boundary: Boundary, *, options: ReconstructionOptions
+) -> tuple[Hole, ...]:
+    """Tell openings from occlusions.
+
+    Parameters
+    ----------
+    points : FacadePoints
+    boundary : Boundary
+    options : ReconstructionOptions
+
+    Returns
+    -------
+    tuple of Hole
+        The largest first. Gaps much smaller than an opening are left out.
+    """
+    corners = points.xz[boundary.triangles]
+    areas = 0.5 * np.abs(
+        (corners[:, 1, 0] - corners[:, 0, 0]) * (corners[:, 2, 1] - corners[:, 0, 1])
+        - (corners[:, 2, 0] - corners[:, 0, 0]) * (corners[:, 1, 1] - corners[:, 0, 1])
+    )
+    inner = boundary.hole_of_triangle >= 0
+    total = np.bincount(boundary.hole_of_triangle[inner], areas[inner])
+    rays = ray_evidence(points)
+    large = np.flatnonzero(total > SMALLEST * options.min_opening**2)
+    found = [
+        _classify(points, boundary, int(cluster), rays, options)
+        for cluster in large[np.argsort(-total[large], kind="stable")]
+    ]
+    return tuple(_without_fragments(found, boundary.threshold))
+
+
+def _classify(
+    points: FacadePoints, boundary: Boundary, cluster: int, rays: RayEvidence, options: ReconstructionOptions
+) -> Hole:
+    """The verdict on one cluster of long triangles."""
+    triangles = boundary.triangles[boundary.hole_of_triangle == cluster]
+    region = shapely.union_all(shapely.polygons(points.xz[triangles]))
+    pieces = [piece for piece in getattr(region, "geoms", [region]) if isinstance(piece, shapely.Polygon)]
+    shape = max(pieces, key=lambda piece: piece.area)
+    members = np.unique(triangles)
+    centre = shape.centroid
+    width = max(2.0 * points.spacing, 0.02)
+    left, right = histogram_peaks(points.xz[members, 0], centre=centre.x, width=width)
+    bottom, top = histogram_peaks(points.xz[members, 1], centre=centre.y, width=width)
+    foot = float(points.xz[:, 1].min()) if points.ground is None else points.ground
+    if _open_below(points, (left, right), float(points.xz[members, 1].min()), foot, boundary.threshold):
+        bottom = foot
+    length, height = right - left, top - bottom
+    box = shapely.box(left, bottom, right, top)
+    filled = shape.intersection(box).area / max(box.area, 1e-12)
+    shadow, through = _share_of_cells(shape, rays, cell=3.0 * points.spacing)
+    reason = equation_1(height, length, options=options)
+    if not reason and filled < options.min_rectangularity:
+        reason = (
+            f"fills {100 * filled:.0f} % of its rectangle, under {100 * options.min_rectangularity:.0f} %"
+        )
+    if not reason and shadow > options.max_shadow and through < 0.5 * shadow:
+        reason = f"{100 * shadow:.0f} % of it lies in the shadow of things before the wall"
+    kind = HoleKind.OCCLUSION if reason else HoleKind.OPENING
+    return Hole(
+        loop=np.array(shape.exterior.coords),
+        points=members,
+        kind=kind,
+        reason=reason or "size, height/length and rectangularity are those of an opening (equation 1)",
+        x=left,
+        z=bottom,
+        width=length,
+        height=height,
+        area=float(region.area),
+        confidence=float(np.clip(filled * (1.0 - shadow * (1.0 - through)), 0.0, 1.0)),
+        evidence={
+            "aspect": round(height / max(length, 1e-9), 3),
+            "rectangularity": round(float(filled), 3),
+            "in_shadow": round(shadow, 3),
+            "seen_through": round(through, 3),
+            "scanners": len(points.scanners),
+        },
+    )
+
+
+def _open_below(
+    points: FacadePoints, jambs: tuple[float, float], lowest: float, foot: float, threshold: float
+) -> bool:
+    """Whether a hole reaches the ground: its lowest point is near it, and no wall shows below."""
+    if lowest - foot > 3.0 * threshold:
+        return False
+    low, high = jambs[0] + threshold, jambs[1] - threshold
+    columns = np.arange(low, high, threshold)
+    if not len(columns):
+        return False
+    xz = points.xz
+    below = (xz[:, 0] > low) & (xz[:, 0] < high) & (xz[:, 1] < max(lowest, foot + threshold))
+    shown = np.unique(np.floor((xz[below, 0] - low) / threshold))
+    return len(shown) < 0.5 * len(columns)
+
+
+def _share_of_cells(shape: shapely.Polygon, rays: RayEvidence, *, cell: float) -> tuple[float, float]:
+    """Shares of a hole's cells that hold a shadow point, and that a ray passed to something behind."""
+    left, bottom, right, top = shape.bounds
+    columns = np.arange(left + cell / 2, right, cell)
+    rows = np.arange(bottom + cell / 2, top, cell)
+    inside = shapely.contains_xy(shape, *(grid.ravel() for grid in np.meshgrid(columns, rows, indexing="ij")))
+    if not inside.any():
+        return 0.0, 0.0
+    shares = []
+    for crossing in (rays.shadow, rays.seen_through):
+        index = np.floor((crossing - [left, bottom]) / cell).astype(np.intp)
+        index = index[((index >= 0) & (index < [len(columns), len(rows)])).all(axis=1)]
+        hit = np.zeros((len(columns), len(rows)), dtype=bool)
+        hit[index[:, 0], index[:, 1]] = True
+        shares.append(float(hit.ravel()[inside].mean()))
+    return shares[0], shares[1]
+
+
+def _without_fragments(holes: list[Hole], margin: float) -> list[Hole]:
+    """Leave out occlusions that are only cut-off corners of an opening."""
+    openings = [
+        shapely.box(
+            hole.x - margin, hole.z - margin, hole.x + hole.width + margin, hole.z + hole.height + margin
+        )
+        for hole in holes
+        if hole.kind is HoleKind.OPENING
+    ]
+    return [
+        hole
+        for hole in holes
+        if hole.kind is HoleKind.OPENING
+        or not any(box.contains(shapely.Polygon(hole.loop)) for box in openings)
+    ]

@@ -1,0 +1,73 @@
+"""The settings of a reconstruction."""
+
+from dataclasses import dataclass
+
+from fd2fem.errors import InputError
+from fd2fem.model.checks import check_positive
+
+__all__ = ["ReconstructionOptions"]
+
+
+@dataclass(frozen=True)
+class ReconstructionOptions:
+    """How a facade is read out of a point cloud.
+
+    Attributes
+    ----------
+    threshold : float or None, m
+        Longest triangle edge inside a fully scanned wall; ``None``: from the distribution of the
+        edge lengths. The paper used 0.15 to 0.175 m.
+    min_opening : float, m
+        Smallest height and length of an opening (equation 1).
+    min_aspect, max_aspect : float
+        Smallest and largest height to length ratio of an opening (equation 1).
+    min_rectangularity : float
+        Smallest share of its rectangle that an opening fills.
+    max_shadow : float
+        Largest share of an opening that may lie in the shadow of things before the wall.
+    max_voxel : float or None, m
+        Largest voxel; ``None``: just under half of `min_opening`.
+    wall_band : float or None, m
+        Points so close to the wall's plane are on the wall; ``None``: four times their scatter,
+        between 0.015 and 0.06 m.
+    thickness : float, m
+        Of the wall; a scan of the outside does not show it.
+    seed : int
+        Of the random choices in the search for the plane.
+    """
+
+    threshold: float | None = None
+    min_opening: float = 0.4
+    min_aspect: float = 0.25
+    max_aspect: float = 5.0
+    min_rectangularity: float = 0.6
+    max_shadow: float = 0.5
+    max_voxel: float | None = None
+    wall_band: float | None = None
+    thickness: float = 0.35
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name in ("min_opening", "min_aspect", "max_aspect", "thickness"):
+            check_positive(name, getattr(self, name))
+        for name in ("threshold", "max_voxel", "wall_band"):
+            if getattr(self, name) is not None:
+                check_positive(name, getattr(self, name))
+        for name in ("min_rectangularity", "max_shadow"):
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                msg = f"Invalid '{name}': expected a share between 0 and 1, got {getattr(self, name)}."
+                raise InputError(msg)
+        if self.min_aspect >= self.max_aspect:
+            msg = f"Invalid 'min_aspect': expected less than max_aspect = {self.max_aspect}."
+            raise InputError(msg)
+        if self.max_voxel is not None and self.max_voxel >= self.min_opening / 2:
+            msg = (
+                f"Invalid 'max_voxel': {self.max_voxel} m is not less than half of the smallest opening "
+                f"({self.min_opening} m)."
+            )
+            raise InputError(msg)
+
+    @property
+    def voxel_limit(self) -> float:
+        """Largest voxel in force, m."""
+        return 0.495 * self.min_opening if self.max_voxel is None else self.max_voxel
