@@ -17,6 +17,7 @@ from fd2fem.model.reconstruction import (
     VoxelModel,
 )
 from fd2fem.model.response import Response
+from fd2fem.model.run import Model, RunResult
 from fd2fem.model.solid import SolidModel
 
 __all__ = [
@@ -34,6 +35,7 @@ __all__ = [
     "Hole",
     "HoleKind",
     "MeshQuality",
+    "Model",
     "Opening",
     "OpeningKind",
     "PointCloud",
@@ -41,6 +43,7 @@ __all__ = [
     "QuantityComparison",
     "Reconstruction",
     "Response",
+    "RunResult",
     "Side",
     "SolidModel",
     "VolumeMesh",

@@ -23,6 +23,10 @@ SMALLEST = 0.25
 """Gaps smaller than this share of the smallest opening's area are not holes but missed points."""
 
 
+PEAK = 0.5
+"""Share of the highest bin from which on a bin is a peak."""
+
+
 def equation_1(height: float, length: float, *, options: ReconstructionOptions) -> str:
     """Why a hole of this size is no opening by equation 1 of the paper, or an empty string if it may be one.
 
@@ -48,13 +52,20 @@ def equation_1(height: float, length: float, *, options: ReconstructionOptions) 
     return ""
 
 
-def histogram_peaks(values: FloatArray, *, centre: float, width: float) -> tuple[float, float]:
+def histogram_peaks(
+    values: FloatArray, weights: FloatArray, *, centre: float, width: float
+) -> tuple[float, float]:
     """Positions of the two opposite edges of a hole: the peaks of a coordinate histogram (figure 5).
+
+    On either side of the centre it is the outermost peak that counts, a peak being at least half as high as
+    the highest. So a long edge across, whose points are spread over many bins, does not pass for one.
 
     Parameters
     ----------
     values : (b,) float array, m
-        One coordinate of the hole's boundary points.
+        One coordinate of the hole's boundary.
+    weights : (b,) float array
+        How much of an edge lies there: points, or length along the edge.
     centre : float, m
         Inside the hole; one peak lies on either side of it.
     width : float, m
@@ -63,28 +74,32 @@ def histogram_peaks(values: FloatArray, *, centre: float, width: float) -> tuple
     Returns
     -------
     low, high : float, m
-        Medians of the points in the peak bins; the extreme values where a side has no point.
+        Weighted medians in the peak bins; the extreme values where a side has nothing.
 
     Examples
     --------
     >>> jambs = np.array([1.0, 1.0, 1.01, 1.4, 1.7, 2.0, 2.0, 1.99])
-    >>> histogram_peaks(jambs, centre=1.5, width=0.05)
+    >>> histogram_peaks(jambs, np.ones(8), centre=1.5, width=0.05)
     (1.0, 2.0)
     """
     found = []
     for sign in (-1.0, 1.0):
         outward = sign * (values - centre)
-        outward = outward[outward > 0]
-        if not len(outward):
+        side = outward > 0
+        if not side.any():
             found.append(float(values.min() if sign < 0 else values.max()))
             continue
-        edges = np.arange(0.0, outward.max() + 2 * width, width)
-        count, _ = np.histogram(outward, edges)
+        edges = np.arange(0.0, outward.max() + 3 * width, width)
+        count, _ = np.histogram(outward[side], edges, weights=weights[side])
         # Pairs of bins, so that a peak that falls on a bin's edge is not halved.
-        pair = count[:-1] + count[1:] if len(count) > 1 else count
-        peak = int(np.argmax(pair))
-        inside = (outward >= edges[peak]) & (outward <= edges[min(peak + 2, len(edges) - 1)])
-        found.append(float(centre + sign * np.median(outward[inside])))
+        pair = count[:-1] + count[1:]
+        peak = int(np.flatnonzero(pair >= PEAK * pair.max())[-1])
+        if peak > 0 and pair[peak - 1] > pair[peak]:
+            peak -= 1
+        inside = np.flatnonzero(side & (outward >= edges[peak]) & (outward <= edges[peak + 2]))
+        order = inside[np.argsort(values[inside], kind="stable")]
+        half = np.searchsorted(np.cumsum(weights[order]), weights[order].sum() / 2.0)
+        found.append(float(values[order[min(half, len(order) - 1)]]))
     return found[0], found[1]
 
 
@@ -165,8 +180,10 @@ def _classify(
     members = np.unique(triangles)
     centre = shape.centroid
     width = max(2.0 * points.spacing, 0.02)
-    left, right = histogram_peaks(points.xz[members, 0], centre=centre.x, width=width)
-    bottom, top = histogram_peaks(points.xz[members, 1], centre=centre.y, width=width)
+    corners = np.array(shape.exterior.coords)
+    middle, run = (corners[1:] + corners[:-1]) / 2.0, np.abs(np.diff(corners, axis=0))
+    left, right = histogram_peaks(middle[:, 0], run[:, 1], centre=centre.x, width=width)
+    bottom, top = histogram_peaks(middle[:, 1], run[:, 0], centre=centre.y, width=width)
     foot = float(points.xz[:, 1].min()) if points.ground is None else points.ground
     if _open_below(points, (left, right), float(points.xz[members, 1].min()), foot, boundary.threshold):
         bottom = foot

@@ -40,7 +40,7 @@ class ReconstructionOptions:
     min_opening: float = 0.4
     min_aspect: float = 0.25
     max_aspect: float = 5.0
-    min_rectangularity: float = 0.6
+    min_rectangularity: float = 0.75
     max_shadow: float = 0.5
     max_voxel: float | None = None
     wall_band: float | None = None

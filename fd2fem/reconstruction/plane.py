@@ -25,8 +25,8 @@ PLAN_CELL = 0.10
 """Edge of the plan grid, m."""
 HYPOTHESES = 2000
 """Pairs of plan cells tried; with a tenth of the weight on the wall, twenty pairs lie on it."""
-NEAR_LINE = 0.10
-"""Half width of a wall in plan during the search, m: it covers relief and a lean of 1 in 100."""
+NEAR_LINE = 0.06
+"""Half width of a wall in plan during the search, m: it covers relief, and a lean of 1 in 100 over 12 m."""
 MAX_LEAN = np.radians(10.0)
 """A plane that leans more is not a wall."""
 GAP = 0.5
@@ -110,14 +110,16 @@ def find_facade(cloud: PointCloud, *, options: ReconstructionOptions) -> FacadeP
 def _search_line(points: FloatArray, seed: int) -> FloatArray:
     """The plan line (nx, ny, c) with nx·x + ny·y = c that carries the most weight."""
     cells = np.floor(points[:, :2] / PLAN_CELL).astype(np.int64)
-    plan, member = np.unique(cells, axis=0, return_inverse=True)
+    _, member = np.unique(cells, axis=0, return_inverse=True)
     # The heights of a cell count only from the second on: a cell of pavement weighs nothing.
     weight = np.bincount(member.ravel()).astype(np.float64) - 1.0
-    plan, weight = plan[weight > 0], weight[weight > 0]
-    if len(plan) < 2:
+    rows = np.flatnonzero(weight > 0)
+    weight = weight[rows]
+    if len(rows) < 2:
         msg = "No wall found: no points stand above others; check that z points up and the units are right."
         raise ReconstructionError(msg)
-    where = (plan + 0.5) * PLAN_CELL
+    where = np.column_stack([np.bincount(member.ravel(), points[:, axis])[rows] for axis in range(2)])
+    where /= (weight + 1.0)[:, None]
     # Square-rooted so that one dense column (a post) does not take every draw.
     chance = np.sqrt(weight) / np.sqrt(weight).sum()
     first, second = np.random.default_rng(seed).choice(len(where), (2, HYPOTHESES), p=chance)
@@ -139,7 +141,7 @@ def _refine_plane(points: FloatArray, line: FloatArray) -> tuple[FloatArray, Flo
     """A point and the normal of the least-squares plane near a plan line, with a shrinking band."""
     normal = np.array([line[0], line[1], 0.0])
     on_plane = normal * line[2]
-    for band in (2 * NEAR_LINE, NEAR_LINE, NEAR_LINE / 2, NEAR_LINE / 2, NEAR_LINE / 2):
+    for band in (NEAR_LINE, NEAR_LINE, NEAR_LINE, 0.8 * NEAR_LINE, 0.8 * NEAR_LINE):
         distance = (points - on_plane) @ normal
         near = np.abs(distance) < band
         if near.sum() < 3:
@@ -163,7 +165,7 @@ def _inward_sign(
     points: FloatArray, depth: FloatArray, normal: FloatArray, on_plane: FloatArray, centre: FloatArray
 ) -> tuple[float, str]:
     """+1 where `normal` points into the wall, -1 where out of it, and what told so."""
-    foot = np.percentile(points[np.abs(depth) < NEAR_LINE / 2][:, 2], 1)
+    foot = np.percentile(points[np.abs(depth) < NEAR_LINE][:, 2], 1)
     away = np.abs(depth)
     street = (np.abs(points[:, 2] - foot) < 0.4) & (away > 0.5) & (away < 10.0)
     reveals = (points[:, 2] > foot + 1.0) & (away > 0.06) & (away < 0.5)
@@ -196,7 +198,7 @@ def _sort_points(
     """Sort all points into on the wall, in front of it and behind it."""
     local = frame.to_facade(cloud.points)
     depth = local[:, 1]
-    near = np.abs(depth) < NEAR_LINE / 2
+    near = np.abs(depth) < NEAR_LINE
     scatter = 1.4826 * float(np.median(np.abs(depth[near] - np.median(depth[near]))))
     band = float(np.clip(4.0 * scatter, 0.015, 0.06)) if options.wall_band is None else options.wall_band
     on_wall = np.flatnonzero(np.abs(depth) < band)

@@ -1,0 +1,128 @@
+"""The options of the whole chain, and the TOML file that sets them."""
+
+import difflib
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any, TypeVar
+
+from fd2fem.errors import InputError
+from fd2fem.meshing import MeshOptions
+from fd2fem.reconstruction import ReconstructionOptions
+from fd2fem.solids import SolidOptions
+from solvers import AnalysisOptions, LinearSettlement, Material, PeckTrough
+from validation import ComparisonOptions
+
+__all__ = ["PipelineOptions", "options_from_dict", "read_options"]
+
+T = TypeVar("T")
+
+SETTLEMENTS: dict[str, type] = {"linear": LinearSettlement, "peck": PeckTrough}
+"""Kinds of settlement by the name that the configuration gives them."""
+PLAIN: dict[str, type] = {
+    "reconstruction": ReconstructionOptions,
+    "solid": SolidOptions,
+    "mesh": MeshOptions,
+    "comparison": ComparisonOptions,
+}
+"""Sections that are a record of options by themselves."""
+
+
+@dataclass(frozen=True)
+class PipelineOptions:
+    """One record of options for each stage."""
+
+    reconstruction: ReconstructionOptions = field(default_factory=ReconstructionOptions)
+    solid: SolidOptions = field(default_factory=SolidOptions)
+    mesh: MeshOptions = field(default_factory=MeshOptions)
+    analysis: AnalysisOptions = field(default_factory=AnalysisOptions)
+    comparison: ComparisonOptions = field(default_factory=ComparisonOptions)
+
+
+def read_options(path: Path) -> PipelineOptions:
+    """Read a configuration file.
+
+    Sections: ``[reconstruction]``, ``[solid]``, ``[mesh]``, ``[material]``, ``[settlement]`` (with ``kind``
+    ``"linear"`` or ``"peck"``), ``[analysis]``, ``[comparison]``; their keys are the fields of the records
+    of options. What is left out keeps its default.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, is not TOML, or holds an unknown key or a bad value.
+    """
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        msg = f"Cannot read the configuration {path}: {error.strerror}."
+        raise InputError(msg) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        msg = f"The configuration {path} is not TOML: {error}."
+        raise InputError(msg) from error
+    return options_from_dict(data, source=str(path))
+
+
+def options_from_dict(data: Mapping[str, Any], *, source: str) -> PipelineOptions:
+    """Check the sections of a configuration and build the options.
+
+    Examples
+    --------
+    >>> options_from_dict({"mesh": {"size": 0.2}}, source="example").mesh.size
+    0.2
+    """
+    known = {*PLAIN, "material", "settlement", "analysis"}
+    for name, section in data.items():
+        if name not in known:
+            msg = f"{source}: unknown section [{name}]{_closest(name, known)}."
+            raise InputError(msg)
+        if not isinstance(section, Mapping):
+            msg = f"{source}: '{name}' must be a section, [{name}]."
+            raise InputError(msg)
+    chosen: dict[str, Any] = {
+        name: _record(cls, data[name], f"{source}: [{name}]") for name, cls in PLAIN.items() if name in data
+    }
+    parts: dict[str, Any] = {}
+    if "material" in data:
+        parts["material"] = _record(Material, data["material"], f"{source}: [material]")
+    if "settlement" in data:
+        parts["settlement"] = _settlement(data["settlement"], f"{source}: [settlement]")
+    if "analysis" in data or parts:
+        parts |= dict(data.get("analysis", {}))
+        chosen["analysis"] = _record(AnalysisOptions, parts, f"{source}: [analysis]")
+    return PipelineOptions(**chosen)
+
+
+def _settlement(section: Mapping[str, Any], where: str) -> object:
+    """The settlement record that ``kind`` names."""
+    values = dict(section)
+    kind = values.pop("kind", "linear")
+    if kind not in SETTLEMENTS:
+        msg = f"{where}: kind is {kind!r}, expected {' or '.join(map(repr, SETTLEMENTS))}."
+        raise InputError(msg)
+    return _record(SETTLEMENTS[kind], values, where)
+
+
+def _record(cls: type[T], values: Mapping[str, Any], where: str) -> T:
+    """Build a record of options from a section, with one line for whatever is wrong."""
+    from pydantic import TypeAdapter, ValidationError
+
+    known = {entry.name for entry in fields(cls)}  # type: ignore[arg-type]  # every cls is a dataclass
+    for name in values:
+        if name not in known:
+            msg = f"{where}: unknown key '{name}'{_closest(name, known)}."
+            raise InputError(msg)
+    try:
+        return TypeAdapter(cls).validate_python(dict(values))
+    except ValidationError as error:
+        first = error.errors()[0]
+        name = ".".join(str(part) for part in first["loc"])
+        text = first["msg"].removeprefix("Value error, ")
+        msg = f"{where}: {name + ': ' if name else ''}{text}"
+        raise InputError(msg) from error
+
+
+def _closest(name: str, known: set[str]) -> str:
+    """The name that was probably meant, or all there are."""
+    near = difflib.get_close_matches(name, known, n=1)
+    return f"; did you mean '{near[0]}'?" if near else f"; known are {', '.join(sorted(known))}"

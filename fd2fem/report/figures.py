@@ -1,0 +1,259 @@
+"""A picture of each stage, in the manner of the paper's figures 4 to 20."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fd2fem.model import (
+    CellState,
+    Comparison,
+    Facade,
+    FacadePoints,
+    HoleKind,
+    Reconstruction,
+    Response,
+    VolumeMesh,
+    rectangle,
+)
+from fd2fem.report.canvas import (
+    BOUNDARY,
+    CANDIDATE,
+    INK,
+    OCCLUSION,
+    OPENING,
+    REFERENCE,
+    WALL,
+    new_figure,
+    patches,
+    save,
+)
+
+__all__ = [
+    "draw_boundary",
+    "draw_comparison",
+    "draw_lines",
+    "draw_mesh",
+    "draw_openings",
+    "draw_response",
+    "draw_scan",
+    "draw_voxels",
+]
+
+FloatArray = NDArray[np.float64]
+
+DOTS = 60_000
+"""More points than this do not show in a picture."""
+
+
+def _height(points: FloatArray, width: float = 4.2) -> float:
+    """Height of a figure, inches, whose axes are `width` wide and show these (n, 2) points."""
+    extent = np.ptp(points, axis=0)
+    return float(np.clip(width * extent[1] / max(extent[0], 1e-9), 3.0, 9.0)) + 0.8
+
+
+def _some(points: FloatArray) -> FloatArray:
+    """At most `DOTS` of the points."""
+    return points[:: max(1, len(points) // DOTS)]
+
+
+def draw_scan(points: FacadePoints, path: Path) -> None:
+    """The sorted scan, from the front and from above."""
+    low, high = points.xz.min(axis=0) - 3.0, points.xz.max(axis=0) + 3.0
+    figure, axes = new_figure(2, height=_height(points.xz))
+    kinds = (
+        ("behind", points.behind, OPENING),
+        ("on the wall", np.insert(points.xz, 1, points.depth, axis=1), WALL),
+        ("in front", points.front, "#4c8c4a"),
+    )
+    for axis, (across, up) in zip(axes, ((0, 2), (0, 1)), strict=True):
+        for name, cloud, colour in kinds:
+            shown = _some(cloud)
+            axis.plot(shown[:, across], shown[:, up], ",", color=colour, label=name, rasterized=True)
+    axes[0].set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), title="from the front")
+    scanners = points.scanners
+    axes[1].plot(scanners[:, 0], scanners[:, 1], "k^", markersize=5, label="scanner")
+    axes[1].set(xlim=(low[0] - 4, high[0] + 4), ylim=(-14, 6), title="from above", ylabel="y, m")
+    axes[1].legend(fontsize=7, markerscale=6, loc="lower right")
+    save(figure, path)
+
+
+def draw_boundary(reconstruction: Reconstruction, path: Path) -> None:
+    """Boundary points, and the distribution of edge lengths with the threshold (figure 4)."""
+    points, boundary = reconstruction.points, reconstruction.boundary
+    figure, axes = new_figure(2, height=_height(points.xz))
+    shown = _some(points.xz)
+    axes[0].plot(shown[:, 0], shown[:, 1], ",", color="#c9c9c9", rasterized=True)
+    edge = points.xz[boundary.points]
+    axes[0].plot(edge[:, 0], edge[:, 1], ".", color=BOUNDARY, markersize=1.5)
+    axes[0].set_title("boundary points")
+    axes[1].set_aspect("auto")
+    limit = 3.0 * boundary.threshold
+    axes[1].hist(np.minimum(boundary.edge_lengths, limit), bins=90, color=WALL, log=True)
+    axes[1].axvline(boundary.threshold, color=BOUNDARY, label=f"threshold {boundary.threshold:.3f} m")
+    axes[1].set(xlabel="edge length, m", ylabel="edges", title="lengths of triangle edges")
+    axes[1].legend(fontsize=8)
+    save(figure, path)
+
+
+def draw_openings(reconstruction: Reconstruction, path: Path) -> None:
+    """Holes with their verdicts, and the quadtree (figures 5 and 7)."""
+    points, tree = reconstruction.points, reconstruction.quadtree
+    figure, axes = new_figure(2, height=_height(points.xz))
+    for kind, colour in ((HoleKind.OPENING, OPENING), (HoleKind.OCCLUSION, OCCLUSION)):
+        loops = [hole.loop for hole in reconstruction.holes if hole.kind is kind]
+        patches(axes[0], loops, colour, alpha=0.7)
+    for hole in reconstruction.holes:
+        ring = np.vstack([rectangle(hole.x, hole.z, hole.width, hole.height), [[hole.x, hole.z]]])
+        if hole.kind is HoleKind.OPENING:
+            axes[0].plot(ring[:, 0], ring[:, 1], "-", color=INK, linewidth=0.8)
+            axes[0].annotate(f"{hole.confidence:.2f}", ring[:4].mean(axis=0), fontsize=7, ha="center")
+    edge = points.xz[reconstruction.boundary.points]
+    axes[0].plot(edge[:, 0], edge[:, 1], ".", color=BOUNDARY, markersize=1)
+    axes[0].set_title("holes: openings (blue), occlusions (grey)")
+    for state, colour in ((CellState.FULL, WALL), (CellState.PARTIAL, BOUNDARY), (CellState.EMPTY, "white")):
+        chosen = tree.state == state
+        patches(axes[1], list(_boxes(tree.lower[chosen], tree.upper[chosen])), colour, edge="#777777")
+    axes[1].set_title("quadtree: full, partial (red), empty")
+    save(figure, path)
+
+
+def _boxes(lower: FloatArray, upper: FloatArray) -> FloatArray:
+    """Corners (n, 4, 2) of rectangles."""
+    return np.stack(
+        [
+            lower,
+            np.column_stack([upper[:, 0], lower[:, 1]]),
+            upper,
+            np.column_stack([lower[:, 0], upper[:, 1]]),
+        ],
+        axis=1,
+    )
+
+
+def draw_lines(reconstruction: Reconstruction, path: Path) -> None:
+    """Boundary lines and the points that they run through (figure 8)."""
+    points = reconstruction.points
+    figure, axes = new_figure(2, height=_height(points.xz))
+    shown = _some(points.xz)
+    for axis in axes:
+        axis.plot(shown[:, 0], shown[:, 1], ",", color="#c9c9c9", rasterized=True)
+        for line in reconstruction.lines:
+            used = points.xz[line.points]
+            axis.plot(used[:, 0], used[:, 1], ".", color=BOUNDARY, markersize=2)
+            axis.plot(*np.array([line.start, line.end]).T, "-", color=OPENING, linewidth=1)
+            draw = axis.axvline if line.side.vertical else axis.axhline
+            if axis is axes[1]:
+                draw(line.position, color=INK, linewidth=0.7)
+    axes[0].set_title("boundary lines by least squares")
+    first = next((line for line in reconstruction.lines if line.hole >= 0), reconstruction.lines[0])
+    axes[1].set(
+        xlim=first.start[0] + np.array([-0.3, 0.3]),
+        ylim=first.end[1] + np.array([-0.6, 0.3]),
+        title="a corner; black: freed from bias",
+    )
+    save(figure, path)
+
+
+def draw_voxels(reconstruction: Reconstruction, path: Path) -> None:
+    """Full voxels after the flying-voxel tests, and one flight of each kind (figures 9 and 10)."""
+    voxels, facade = reconstruction.voxels, reconstruction.facade
+    figure, axes = new_figure(2, height=_height(facade.outline))
+    full = voxels.state == CellState.FULL
+    for axis in axes:
+        patches(axis, list(_boxes(voxels.lower[full], voxels.upper[full])), WALL, edge="#6b4a2a")
+    patches(axes[0], [hole.outline for hole in facade.filled_holes], "none", edge=INK)
+    axes[0].set_title("full voxels; outlined: filled occlusions")
+    centres = (voxels.lower + voxels.upper) / 2.0
+    start = centres[full][len(centres[full]) // 3]
+    low, high = facade.outline.min(axis=0), facade.outline.max(axis=0)
+    for end in ((low[0], start[1]), (high[0], start[1]), (start[0], low[1]), (start[0], high[1])):
+        axes[1].plot([start[0], end[0]], [start[1], end[1]], "-", color="#c21ac2", linewidth=1)
+    for opening in facade.openings:
+        end = opening.outline.mean(axis=0)
+        axes[1].plot([start[0], end[0]], [start[1], end[1]], "-", color="#e02020", linewidth=1)
+    axes[1].plot(*start, "ks", markersize=4)
+    axes[1].set_title("flights of one voxel: LS1 and LS2")
+    save(figure, path)
+
+
+def draw_mesh(mesh: VolumeMesh, response: Response, path: Path) -> None:
+    """The mesh with its named groups, and the imposed displacements (figures 19b and 20b)."""
+    figure, axes = new_figure(2, height=_height(mesh.nodes[:, [0, 2]]))
+    front = mesh.nodes[:, [0, 2]][mesh.groups["front"]]
+    patches(axes[0], list(front), "#f2e3d3", edge=INK)
+    axes[0].set_title(f"{len(mesh.elements):,} elements")
+    patches(axes[1], list(front), "#f2e3d3")
+    base = mesh.group_nodes("base")
+    base = base[np.abs(mesh.nodes[base, 1]) < 1e-9]
+    where, move = mesh.nodes[base], response.displacement[base]
+    scale = 0.1 * np.ptp(mesh.nodes[:, 2]) / max(np.abs(move).max(), 1e-12)
+    axes[1].quiver(
+        where[:, 0],
+        where[:, 2],
+        move[:, 0] * scale,
+        move[:, 2] * scale,
+        angles="xy",
+        scale_units="xy",
+        scale=1,
+        color=BOUNDARY,
+        width=0.004,
+    )
+    axes[1].set_ylim(-0.2 * np.ptp(mesh.nodes[:, 2]), None)
+    axes[1].set_title(f"imposed displacements, x{scale:.0f}")
+    save(figure, path)
+
+
+def draw_response(response: Response, path: Path, *, title: str) -> None:
+    """Displacement on the deformed wall and first principal stress (figures 19c-d and 20c-d)."""
+    mesh = response.mesh
+    figure, axes = new_figure(2, height=_height(mesh.nodes[:, [0, 2]]), width=4.8)
+    scale = 0.05 * np.ptp(mesh.nodes[:, 2]) / max(response.max_displacement, 1e-12)
+    moved = mesh.nodes + scale * response.displacement
+    size = 1000.0 * np.linalg.norm(response.displacement, axis=1)
+    tension = response.principal_stress[:, 0] / 1e6
+    # Singular at the corners: the colours stop at the 99th percentile, the title gives the maximum.
+    top = float(np.percentile(tension, 99))
+    facets = mesh.groups["front"]
+    triangles = np.concatenate([facets[:, [0, 1, 2]], facets[:, [0, 2, 3]]])
+    for axis, nodes, values, limit, text in (
+        (axes[0], moved, size, None, f"displacement, mm (x{scale:.0f}): max {size.max():.1f}"),
+        (axes[1], mesh.nodes, tension, top, f"σ1, MPa: max {tension.max():.2f}"),
+    ):
+        picture = axis.tripcolor(
+            nodes[:, 0], nodes[:, 2], triangles, values, shading="gouraud", cmap="turbo", vmax=limit
+        )
+        figure.colorbar(picture, ax=axis, shrink=0.6)
+        axis.set_title(text, fontsize=9)
+    figure.suptitle(title, fontsize=10)
+    save(figure, path)
+
+
+def draw_comparison(candidate: Facade, reference: Facade, comparison: Comparison, path: Path) -> None:
+    """Both outlines over one another, and the relative differences beside the tolerance."""
+    figure, axes = new_figure(2, height=_height(reference.outline))
+    for facade, colour, style, name in (
+        (reference, REFERENCE, "-", "reference"),
+        (candidate, CANDIDATE, "--", "candidate"),
+    ):
+        for number, ring in enumerate([facade.outline, *(opening.outline for opening in facade.openings)]):
+            closed = np.vstack([ring, ring[:1]])
+            label = name if number == 0 else None
+            axes[0].plot(closed[:, 0], closed[:, 1], style, color=colour, linewidth=1, label=label)
+    axes[0].legend(fontsize=7)
+    axes[0].set_title("geometry")
+    rows = [
+        (name, comparison.geometry[name]["relative_error"])
+        for name in ("length", "height", "opening_area")
+        if name in comparison.geometry
+    ]
+    rows += [(item.quantity, item.relative_difference) for item in comparison.response]
+    shown = [(name, 100.0 * value) for name, value in rows if value is not None]
+    axes[1].set_aspect("auto")
+    axes[1].barh([name for name, _ in shown], [value for _, value in shown], color=CANDIDATE)
+    for side in (-1, 1):
+        axes[1].axvline(100 * side * comparison.tolerance, color=INK, linestyle=":")
+    axes[1].axvline(0.0, color=INK, linewidth=0.6)
+    axes[1].invert_yaxis()
+    axes[1].set(xlabel="candidate - reference, %", ylabel="", title=f"passed: {comparison.passed}")
+    save(figure, path)

@@ -1,0 +1,142 @@
+"""The report: pictures of every stage and an HTML page that shows them with the figures."""
+
+from html import escape
+from pathlib import Path
+from string import Template
+
+from fd2fem.model import Model, RunResult
+from fd2fem.report import figures
+
+__all__ = ["write_report"]
+
+PAGE = Template("""<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>fd2fem: $title</title>
+<style>
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; color: #222; }
+table { border-collapse: collapse; margin: 1rem 0; }
+td, th { padding: .25rem .75rem; border-bottom: 1px solid #ddd; text-align: right; }
+td:first-child, th:first-child { text-align: left; } img { max-width: 100%; }
+.passed { color: #17722b; } .short { color: #b3261e; } figcaption { color: #555; }
+</style></head><body>
+<h1>$title</h1>
+$verdict
+$tables
+$figures
+</body></html>
+""")
+
+CAPTIONS = (
+    ("01_scan.png", "The scan, sorted by the wall's plane."),
+    ("02_boundary.png", "Boundary points by the Delaunay criterion, and where its threshold comes from."),
+    ("03_openings.png", "Holes with verdict and confidence, and the quadtree."),
+    ("04_lines.png", "Boundary lines of the wall and its openings."),
+    ("05_voxels.png", "Full voxels after the flying-voxel tests."),
+    ("06_mesh.png", "The mesh and the settlement imposed on its base."),
+    ("07_response.png", "Response of the scan-derived model."),
+    ("08_reference.png", "Response of the drawing-derived model."),
+    ("09_comparison.png", "Candidate against reference."),
+)
+
+
+def write_report(result: RunResult, folder: Path) -> None:
+    """Write a picture of each stage and ``report.html`` to a folder.
+
+    Parameters
+    ----------
+    result : RunResult
+    folder : Path
+        Exists.
+    """
+    rebuilt = result.reconstruction
+    figures.draw_scan(rebuilt.points, folder / "01_scan.png")
+    figures.draw_boundary(rebuilt, folder / "02_boundary.png")
+    figures.draw_openings(rebuilt, folder / "03_openings.png")
+    figures.draw_lines(rebuilt, folder / "04_lines.png")
+    figures.draw_voxels(rebuilt, folder / "05_voxels.png")
+    figures.draw_mesh(result.mesh, result.response, folder / "06_mesh.png")
+    figures.draw_response(result.response, folder / "07_response.png", title="scan-derived model")
+    reference = result.reference or Model(None, None)
+    if reference.response is not None:
+        figures.draw_response(reference.response, folder / "08_reference.png", title="drawing-derived model")
+    if reference.facade is not None and result.comparison is not None:
+        figures.draw_comparison(
+            rebuilt.facade, reference.facade, result.comparison, folder / "09_comparison.png"
+        )
+    (folder / "report.html").write_text(_page(result, folder), encoding="utf-8")
+
+
+def _page(result: RunResult, folder: Path) -> str:
+    """The HTML page."""
+    facade = result.reconstruction.facade
+    pictures = [
+        f'<figure><img src="{name}" alt="{escape(text)}"><figcaption>{escape(text)}</figcaption></figure>'
+        for name, text in CAPTIONS
+        if (folder / name).exists()
+    ]
+    return PAGE.substitute(
+        title=escape(f"Facade of {facade.length:.2f} x {facade.height:.2f} m"),
+        verdict=_verdict(result),
+        tables=_openings_table(result) + _response_table(result),
+        figures="\n".join(pictures),
+    )
+
+
+def _verdict(result: RunResult) -> str:
+    """One paragraph: whether the scan-derived model answers like the drawing-derived one."""
+    warnings = result.reconstruction.facade.record.get("warnings", ())
+    text = "".join(f'<p class="short">Warning: {escape(str(warning))}</p>' for warning in warnings)
+    if result.comparison is None:
+        return text + "<p>No reference was given, so nothing was compared.</p>"
+    tolerance = f"{100 * result.comparison.tolerance:g} %"
+    if result.comparison.passed:
+        return f'{text}<p class="passed">The scan- and drawing-derived models agree within {tolerance}.</p>'
+    reasons = "; ".join(escape(reason) for reason in result.comparison.reasons)
+    return f'{text}<p class="short">The models do not agree within {tolerance}: {reasons}.</p>'
+
+
+def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    """An HTML table."""
+    lines = ["<tr>" + "".join(f"<th>{escape(cell)}</th>" for cell in head) + "</tr>"]
+    lines += ["<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows]
+    return "<table>" + "\n".join(lines) + "</table>\n"
+
+
+def _openings_table(result: RunResult) -> str:
+    """The openings found."""
+    rows = [
+        (
+            f"{opening.id} {opening.kind}",
+            f"{opening.x:.3f}",
+            f"{opening.z:.3f}",
+            f"{opening.width:.3f}",
+            f"{opening.height:.3f}",
+            f"{opening.confidence:.2f}",
+        )
+        for opening in result.reconstruction.facade.openings
+    ]
+    return _table(("opening", "x, m", "z, m", "width, m", "height, m", "confidence"), rows)
+
+
+def _response_table(result: RunResult) -> str:
+    """The figures of the response, beside the reference's where there is one."""
+    if result.comparison is None:
+        response = result.response
+        rows = [
+            ("largest displacement, mm", f"{1000 * response.max_displacement:.1f}"),
+            ("largest first principal stress, MPa", f"{response.max_principal_stress / 1e6:.3f}"),
+        ]
+        return _table(("quantity", "value"), rows)
+    rows = [
+        (name, f"{entry['candidate']:.3f}", f"{entry['reference']:.3f}", _percent(entry["relative_error"]))
+        for name, entry in result.comparison.geometry.items()
+        if name in {"length", "height", "opening_area"}
+    ]
+    rows += [
+        (item.quantity, f"{item.candidate:.4g}", f"{item.reference:.4g}", _percent(item.relative_difference))
+        for item in result.comparison.response
+    ]
+    return _table(("quantity", "candidate", "reference", "difference"), rows)
+
+
+def _percent(share: float | None) -> str:
+    return "–" if share is None else f"{100 * share:+.2f} %"

@@ -1,0 +1,109 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from synthetic import cleaned_cloud, facade_of, survey_frame
+
+from fd2fem.errors import ReconstructionError
+from fd2fem.model import PointCloud
+from fd2fem.reconstruction.options import ReconstructionOptions
+from fd2fem.reconstruction.plane import NOTHING_TELLS, find_facade, point_spacing, thin_points
+
+OPTIONS = ReconstructionOptions()
+HOUSE = facade_of(6.0, 5.0, [(1.0, 1.0, 1.2, 1.6)])
+
+
+def street(seed=0):
+    """Ground before the wall, a room behind it, a neighbour set back, a car's flank near the scanner."""
+    rng = np.random.default_rng(seed)
+    x, y = rng.uniform(-5, 11, 40_000), rng.uniform(-9, 0, 40_000)
+    ground = np.column_stack([x, y, rng.normal(0, 0.003, 40_000)])
+    room = np.column_stack([rng.uniform(0.5, 2.5, 500), np.full(500, 4.0), rng.uniform(0.8, 2.8, 500)])
+    neighbour = np.column_stack([rng.uniform(6, 10, 8000), np.full(8000, 0.3), rng.uniform(0, 6, 8000)])
+    car = np.column_stack([rng.uniform(1, 5, 60_000), np.full(60_000, -6.0), rng.uniform(0.2, 1.5, 60_000)])
+    return np.concatenate([ground, room, neighbour, car])
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.floats(0, 360), st.floats(-1e6, 1e6), st.floats(-1e6, 1e6))
+def test_frame_is_found_wherever_the_wall_stands(degrees, east, north):
+    frame = survey_frame(degrees, (east, north, 40.0))
+    found = find_facade(cleaned_cloud(HOUSE, 0.03, frame=frame), options=OPTIONS)
+    assert np.abs(found.frame.axes - frame.axes).max() < 1e-3
+    local = frame.to_facade(found.frame.to_world(np.insert(found.xz, 1, 0.0, axis=1)))
+    assert np.abs(local[:, 1]).max() < 0.001
+
+
+def test_wall_is_found_in_a_street():
+    frame = survey_frame()
+    wall = cleaned_cloud(HOUSE, 0.02, frame=frame)
+    cloud = PointCloud(
+        np.concatenate([wall.points, frame.to_world(street())]), "street", scanners=wall.scanners
+    )
+    found = find_facade(cloud, options=OPTIONS)
+    assert np.abs(found.frame.axes - frame.axes).max() < 1e-3
+    assert len(found.xz) == pytest.approx(len(wall), rel=0.02)
+    assert np.ptp(found.xz, axis=0) == pytest.approx([6.0, 5.0], abs=0.06)
+    assert found.front[:, 1].max() < 0 < found.behind[:, 1].min()
+    assert found.ground == pytest.approx(found.frame.to_facade(frame.to_world([[0, 0, 0]]))[0, 2], abs=0.005)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 100.0, 200.0, 300.0])
+def test_pavement_tells_the_outside_without_a_scanner(degrees):
+    frame = survey_frame(degrees)
+    wall = cleaned_cloud(HOUSE, 0.02, frame=frame)
+    cloud = PointCloud(np.concatenate([wall.points, frame.to_world(street())]), "street")
+    found = find_facade(cloud, options=OPTIONS)
+    assert found.outside_by == "the pavement before the wall"
+    assert found.frame.axes[1] @ frame.axes[1] > 0.999
+
+
+def test_bare_wall_is_seen_as_drawn_and_says_so():
+    cloud = cleaned_cloud(HOUSE, 0.03)
+    found = find_facade(PointCloud(cloud.points, "bare"), options=OPTIONS)
+    assert found.outside_by == NOTHING_TELLS
+    assert found.frame.axes[1] == pytest.approx([0, 1, 0], abs=1e-3)
+
+
+def test_rms_is_the_noise():
+    found = find_facade(cleaned_cloud(HOUSE, 0.02, noise=0.004), options=OPTIONS)
+    assert found.rms == pytest.approx(0.004, rel=0.03)
+
+
+def noise_box():
+    return np.random.default_rng(0).uniform(0, 5, (5000, 3))
+
+
+def level_ground():
+    rng = np.random.default_rng(0)
+    return np.column_stack([rng.uniform(0, 20, (5000, 2)), rng.normal(0, 0.004, 5000)])
+
+
+def slope():
+    rng = np.random.default_rng(0)
+    xy = rng.uniform(0, 8, (9000, 2))
+    return np.column_stack([xy, 3.0 * xy[:, 0]])
+
+
+def tiny():
+    rng = np.random.default_rng(0)
+    return np.column_stack([rng.uniform(0, 0.4, 900), rng.normal(0, 0.001, 900), rng.uniform(0, 0.4, 900)])
+
+
+@pytest.mark.parametrize("points", [noise_box, level_ground, slope, tiny])
+def test_no_wall_is_said(points):
+    with pytest.raises(ReconstructionError, match="No wall found"):
+        find_facade(PointCloud(points(), "none"), options=OPTIONS)
+
+
+@pytest.mark.parametrize("pattern", ["random", "grid"])
+def test_spacing_is_that_of_the_points(pattern):
+    cloud = cleaned_cloud(facade_of(6.0, 5.0, []), 0.04, pattern=pattern)
+    assert point_spacing(cloud.points[:, [0, 2]]) == pytest.approx(0.04, rel=0.15)
+
+
+def test_thinning_keeps_one_point_a_cell():
+    points = np.random.default_rng(1).uniform(0, 1, (5000, 3))
+    kept = thin_points(points, 0.2)
+    assert len(kept) == 125
+    assert len(np.unique(np.floor((points[kept] - points.min(axis=0)) / 0.2), axis=0)) == 125
