@@ -46,8 +46,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         Arguments without the program's name; ``None``: those of the process.
     """
     args = _parser().parse_args(argv)
+    run: Command = args.command
     try:
-        code, summary = args.command(args)
+        code, summary = run(args)
     except Fd2femError as error:
         return _report(args, error, AT_FAULT if isinstance(error, InputError) else FAILED)
     except KeyboardInterrupt:

@@ -1,12 +1,13 @@
 """The facade's plane in a raw scan, and which points lie on it.
 
-A vertical wall is a line in plan that carries points at many heights. So the search runs over the
-cells of a plan grid, each weighted by the number of heights at which it holds points: the ground
-weighs one a cell, a wall as much as it is high, however near the scanner stood. The plane that
-comes out is refined by least squares over the points near it.
+The search tries vertical planes through pairs of points that stand above others, so that the pavement makes
+no proposals. The points are thinned to cells first, and a cell counts with the square root of its points:
+less than by points, for these crowd near the scanner, but more than by area, for glass returns few of its
+rays and must not outweigh the wall around it. The plane that comes out is refined by least squares.
 """
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial import cKDTree
@@ -23,10 +24,16 @@ THINNING = 0.05
 """Edge of the cells that stand for the points in the search, m."""
 PLAN_CELL = 0.10
 """Edge of the plan grid, m."""
-HYPOTHESES = 2000
-"""Pairs of plan cells tried; with a tenth of the weight on the wall, twenty pairs lie on it."""
-NEAR_LINE = 0.06
-"""Half width of a wall in plan during the search, m: it covers relief, and a lean of 1 in 100 over 12 m."""
+UPRIGHT = 3
+"""A plan cell with points at so many heights belongs to something that stands."""
+HYPOTHESES = 1500
+"""Pairs of points tried; with a tenth of the points on the wall, fifteen pairs lie on it."""
+SAMPLE = 15_000
+"""Cells that the hypotheses are scored on."""
+NEAR_PLANE = 0.03
+"""Distance from the plane, m, at which a point stops to speak for it."""
+IN_FRONT = 0.5
+"""A parallel plane up to so far before the best one, m, with half of its points, is the wall's face."""
 MAX_LEAN = np.radians(10.0)
 """A plane that leans more is not a wall."""
 GAP = 0.5
@@ -55,11 +62,17 @@ def thin_points(points: FloatArray, cell: float) -> NDArray[np.intp]:
     >>> thin_points(np.array([[0.0, 0.0], [0.1, 0.1], [1.5, 0.0]]), 1.0).tolist()
     [0, 2]
     """
+    return np.sort(_cells(points, cell)[0])
+
+
+def _cells(points: FloatArray, cell: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Index of the first point in each occupied cell, and how many points each holds."""
     cells = np.floor((points - points.min(axis=0)) / cell).astype(np.int64)
     key = np.zeros(len(cells), dtype=np.int64)
     for axis in range(cells.shape[1]):
         key = key * (int(cells[:, axis].max()) + 1) + cells[:, axis]
-    return np.sort(np.unique(key, return_index=True)[1])
+    _, first, count = np.unique(key, return_index=True, return_counts=True)
+    return first, count
 
 
 def point_spacing(xz: FloatArray) -> float:
@@ -96,61 +109,90 @@ def find_facade(cloud: PointCloud, *, options: ReconstructionOptions) -> FacadeP
     """
     centre = np.median(cloud.points, axis=0)
     points = cloud.points - centre
-    thin = points[thin_points(points, THINNING)]
-    on_plane, normal = _refine_plane(thin, _search_line(thin, options.seed))
+    first, count = _cells(points, THINNING)
+    thin, weight = points[first], np.sqrt(count)
+    on_plane, normal = _refine_plane(thin, weight, *_search_plane(thin, weight, options.seed))
     depth = (thin - on_plane) @ normal
     sign, outside_by = _inward_sign(thin, depth, normal, on_plane, centre)
     if len(cloud.scanners):
         toward = np.median((cloud.scanners - centre - on_plane) @ normal)
         sign, outside_by = (-1.0 if toward > 0 else 1.0), "the scanner's position"
+    shift = _face_before(thin, weight, sign * depth, normal)
+    if shift:
+        on_plane, normal = _refine_plane(thin, weight, on_plane + sign * shift * normal, normal)
     frame = FacadeFrame(centre + on_plane, _axes(sign * normal))
     return _sort_points(cloud, frame, outside_by, options)
 
 
-def _search_line(points: FloatArray, seed: int) -> FloatArray:
-    """The plan line (nx, ny, c) with nx·x + ny·y = c that carries the most weight."""
-    cells = np.floor(points[:, :2] / PLAN_CELL).astype(np.int64)
-    _, member = np.unique(cells, axis=0, return_inverse=True)
-    # The heights of a cell count only from the second on: a cell of pavement weighs nothing.
-    weight = np.bincount(member.ravel()).astype(np.float64) - 1.0
-    rows = np.flatnonzero(weight > 0)
-    weight = weight[rows]
-    if len(rows) < 2:
+def _search_plane(points: FloatArray, weight: FloatArray, seed: int) -> tuple[FloatArray, FloatArray]:
+    """A point and the normal of the vertical plane that most of the weight lies near."""
+    plan = np.floor((points[:, :2] - points[:, :2].min(axis=0)) / PLAN_CELL).astype(np.int64)
+    column = np.unique(plan[:, 0] * (plan[:, 1].max() + 1) + plan[:, 1], return_inverse=True)[1].ravel()
+    standing = np.flatnonzero(np.bincount(column)[column] >= UPRIGHT)
+    rng = np.random.default_rng(seed)
+    if len(standing) < MIN_POINTS:
         msg = "No wall found: no points stand above others; check that z points up and the units are right."
         raise ReconstructionError(msg)
-    where = np.column_stack([np.bincount(member.ravel(), points[:, axis])[rows] for axis in range(2)])
-    where /= (weight + 1.0)[:, None]
-    # Square-rooted so that one dense column (a post) does not take every draw.
-    chance = np.sqrt(weight) / np.sqrt(weight).sum()
-    first, second = np.random.default_rng(seed).choice(len(where), (2, HYPOTHESES), p=chance)
-    along = where[second] - where[first]
+    first, second = points[rng.choice(standing, (2, HYPOTHESES))]
+    along = (second - first)[:, :2]
     span = np.hypot(along[:, 0], along[:, 1])
     usable = span > MIN_WALL / 2
     if not usable.any():
         msg = f"No wall found: what stands upright is less than {MIN_WALL} m long; check the units."
         raise ReconstructionError(msg)
-    along, span, first = along[usable], span[usable], first[usable]
+    first, along, span = first[usable], along[usable], span[usable]
     normals = np.column_stack([-along[:, 1], along[:, 0]]) / span[:, None]
-    offsets = np.einsum("ij,ij->i", normals, where[first])
-    scores = [weight[np.abs(where @ n - c) < NEAR_LINE].sum() for n, c in zip(normals, offsets, strict=True)]
-    best = int(np.argmax(scores))
-    return np.array([*normals[best], offsets[best]])
+    offsets = np.einsum("ij,ij->i", normals, first[:, :2])
+    order = rng.permutation(standing)
+    # A tenth of the sample tells which hypotheses deserve the whole of it.
+    rough = _scores(points[order[: SAMPLE // 10]], weight[order[: SAMPLE // 10]], normals, offsets)
+    short = np.argsort(-rough, kind="stable")[: HYPOTHESES // 15]
+    where, worth = points[order[:SAMPLE]], weight[order[:SAMPLE]]
+    fine = _scores(where, worth, normals[short], offsets[short])
+    best, most = int(short[0]), 0.0
+    for number in short[np.argsort(-fine, kind="stable")].tolist():
+        distance = where[:, :2] @ normals[number] - offsets[number]
+        value = _spread(where, worth, np.abs(distance) < NEAR_PLANE, normals[number])
+        if value > most:
+            best, most = number, value
+    return first[best], np.append(normals[best], 0.0)
 
 
-def _refine_plane(points: FloatArray, line: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """A point and the normal of the least-squares plane near a plan line, with a shrinking band."""
-    normal = np.array([line[0], line[1], 0.0])
-    on_plane = normal * line[2]
-    for band in (NEAR_LINE, NEAR_LINE, NEAR_LINE, 0.8 * NEAR_LINE, 0.8 * NEAR_LINE):
+def _spread(points: FloatArray, weight: FloatArray, near: NDArray[np.bool_], normal: FloatArray) -> float:
+    """Weight of the largest connected part of a plane, times the area that it spans with its openings.
+
+    By its points alone, a strip of a blank neighbour could outweigh a wall that is mostly windows.
+    """
+    if near.sum() < MIN_POINTS:
+        return 0.0
+    flat = np.column_stack([points[near][:, :2] @ [-normal[1], normal[0]], points[near][:, 2]])
+    part = _largest_part(flat)
+    return float(weight[near][part].sum() * shapely.MultiPoint(flat[part]).convex_hull.area)
+
+
+def _scores(points: FloatArray, weight: FloatArray, normals: FloatArray, offsets: FloatArray) -> FloatArray:
+    """Weight near each vertical plane, less of it the farther from the plane (MSAC)."""
+    distance = normals[:, :1] * points[:, 0] + normals[:, 1:] * points[:, 1] - offsets[:, None]
+    near: FloatArray = np.maximum(0.0, 1.0 - (distance / NEAR_PLANE) ** 2)
+    score: FloatArray = np.einsum("ij,j->i", near, weight)
+    return score
+
+
+def _refine_plane(
+    points: FloatArray, weight: FloatArray, on_plane: FloatArray, normal: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """A point and the normal of the least-squares plane through the points near a first guess."""
+    for _ in range(8):
         distance = (points - on_plane) @ normal
-        near = np.abs(distance) < band
+        near = np.abs(distance) < NEAR_PLANE
         if near.sum() < 3:
             break
         scatter = 1.4826 * np.median(np.abs(distance[near] - np.median(distance[near])))
-        near &= np.abs(distance - np.median(distance[near])) < max(4.0 * scatter, 0.1 * band)
-        on_plane = points[near].mean(axis=0)
-        moment = np.cov((points[near] - on_plane).T)
-        candidate = np.linalg.eigh(moment)[1][:, 0]
+        near &= np.abs(distance - np.median(distance[near])) < max(4.0 * scatter, 0.1 * NEAR_PLANE)
+        chosen, share = points[near], weight[near] / weight[near].sum()
+        on_plane = share @ chosen
+        away = chosen - on_plane
+        candidate = np.linalg.eigh((away * share[:, None]).T @ away)[1][:, 0]
         if abs(candidate[2]) > np.sin(MAX_LEAN):
             msg = (
                 f"No wall found: the best plane leans by more than {np.degrees(MAX_LEAN):.0f} degrees; "
@@ -161,11 +203,27 @@ def _refine_plane(points: FloatArray, line: FloatArray) -> tuple[FloatArray, Flo
     return on_plane, normal
 
 
+def _face_before(points: FloatArray, weight: FloatArray, depth: FloatArray, normal: FloatArray) -> float:
+    """Depth (negative, m) of a parallel plane before the best one that is rather the wall's face, or 0.
+
+    Where openings take up most of a wall, blinds and frames can hold more points than the wall itself.
+    """
+    along = points @ np.array([-normal[1], normal[0], 0.0])
+    near = np.abs(depth) < NEAR_PLANE
+    low, high = np.percentile(along[near], [2, 98])
+    beside = (along > low) & (along < high) & (points[:, 2] > np.percentile(points[near, 2], 10))
+    edges = np.arange(-IN_FRONT - 0.01, NEAR_PLANE + 0.02, 0.02)
+    count, _ = np.histogram(depth[beside], edges, weights=weight[beside])
+    pair = count[:-1] + count[1:]
+    front = np.flatnonzero((pair > 0.5 * pair.max()) & (edges[1:-1] < -1.5 * NEAR_PLANE))
+    return float(edges[front[0] + 1]) if len(front) else 0.0
+
+
 def _inward_sign(
     points: FloatArray, depth: FloatArray, normal: FloatArray, on_plane: FloatArray, centre: FloatArray
 ) -> tuple[float, str]:
     """+1 where `normal` points into the wall, -1 where out of it, and what told so."""
-    foot = np.percentile(points[np.abs(depth) < NEAR_LINE][:, 2], 1)
+    foot = np.percentile(points[np.abs(depth) < NEAR_PLANE][:, 2], 1)
     away = np.abs(depth)
     street = (np.abs(points[:, 2] - foot) < 0.4) & (away > 0.5) & (away < 10.0)
     reveals = (points[:, 2] > foot + 1.0) & (away > 0.06) & (away < 0.5)
@@ -198,7 +256,7 @@ def _sort_points(
     """Sort all points into on the wall, in front of it and behind it."""
     local = frame.to_facade(cloud.points)
     depth = local[:, 1]
-    near = np.abs(depth) < NEAR_LINE
+    near = np.abs(depth) < NEAR_PLANE
     scatter = 1.4826 * float(np.median(np.abs(depth[near] - np.median(depth[near]))))
     band = float(np.clip(4.0 * scatter, 0.015, 0.06)) if options.wall_band is None else options.wall_band
     on_wall = np.flatnonzero(np.abs(depth) < band)

@@ -177,6 +177,8 @@ def _warnings(points: FacadePoints, lines: tuple[BoundaryLine, ...]) -> list[str
             "give the scanner's position."
         )
     for line in lines:
+        if line.hole < 0 and line.side is Side.BOTTOM and points.ground is not None:
+            continue
         along = 1 if line.side.vertical else 0
         run = np.abs(line.end - line.start)
         if run[1 - along] > max(4.0 * points.spacing, np.tan(SLANT) * run[along]):

@@ -1,5 +1,6 @@
 """The report: pictures of every stage and an HTML page that shows them with the figures."""
 
+from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from string import Template
@@ -94,7 +95,7 @@ def _verdict(result: RunResult) -> str:
     return f'{text}<p class="short">The models do not agree within {tolerance}: {reasons}.</p>'
 
 
-def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
     """An HTML table."""
     lines = ["<tr>" + "".join(f"<th>{escape(cell)}</th>" for cell in head) + "</tr>"]
     lines += ["<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows]
@@ -121,11 +122,11 @@ def _response_table(result: RunResult) -> str:
     """The figures of the response, beside the reference's where there is one."""
     if result.comparison is None:
         response = result.response
-        rows = [
+        values = [
             ("largest displacement, mm", f"{1000 * response.max_displacement:.1f}"),
             ("largest first principal stress, MPa", f"{response.max_principal_stress / 1e6:.3f}"),
         ]
-        return _table(("quantity", "value"), rows)
+        return _table(("quantity", "value"), values)
     rows = [
         (name, f"{entry['candidate']:.3f}", f"{entry['reference']:.3f}", _percent(entry["relative_error"]))
         for name, entry in result.comparison.geometry.items()

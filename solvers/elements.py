@@ -1,0 +1,145 @@
+"""Quadratic elements: scikit-fem's shape functions and quadrature, and the nodes that carry them.
+
+A mesh of 8-node hexahedra carries 20-node serendipity displacements: the plain 8-node element is far
+too stiff in bending (a cantilever one element deep moves a third of what it should). The points in
+the middle of the edges are added behind the mesh's own nodes, in the order of VTK's quadratic
+hexahedron, which is also that of CalculiX's C3D20.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fd2fem.model import ElementKind, VolumeMesh
+
+__all__ = ["ElementTable", "Space", "displacement_space", "tabulate"]
+
+FloatArray = NDArray[np.float64]
+
+HEXAHEDRON_CORNERS = np.array(
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], dtype=np.float64
+)
+HEXAHEDRON_EDGES = np.array(
+    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]]
+)
+TETRAHEDRON_CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=np.float64)
+TETRAHEDRON_EDGES = np.array([[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]])
+
+STIFFNESS_ORDER = {ElementKind.HEXAHEDRON: 5, ElementKind.TETRA10: 2}
+"""Degree that the stiffness is integrated to: 27 and 4 points, those of C3D20 and C3D10."""
+
+STRESS_ORDER = {ElementKind.HEXAHEDRON: 3, ElementKind.TETRA10: 2}
+"""Degree of the rule whose points the stresses are taken at: 8 and 4, where they are most accurate."""
+
+
+@dataclass(frozen=True, eq=False)
+class ElementTable:
+    """Shape functions of a reference element at the points of a quadrature rule.
+
+    Attributes
+    ----------
+    weights : (q,) float array
+    values : (q, b) float array
+        Of the b displacement functions.
+    gradients : (q, 3, b) float array
+    geometry_gradients : (q, 3, g) float array
+        Of the functions that map the element's g mesh nodes.
+    extrapolation : (g, q) float array
+        Values at the mesh nodes of the (tri)linear field that fits values at the points best.
+    """
+
+    weights: FloatArray
+    values: FloatArray
+    gradients: FloatArray
+    geometry_gradients: FloatArray
+    extrapolation: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Space:
+    """The points that carry displacements.
+
+    Attributes
+    ----------
+    kind : ElementKind
+    points : (m, 3) float array, m
+        The mesh's nodes, then the added mid-edge points.
+    connectivity : (e, b) int array
+        Points of each element; the first ones are the mesh's nodes.
+    base : (k,) int array
+        Sorted points of the group "base".
+    """
+
+    kind: ElementKind
+    points: FloatArray
+    connectivity: NDArray[np.intp]
+    base: NDArray[np.intp]
+
+    @property
+    def unknowns(self) -> int:
+        """Number of displacement components, prescribed ones included."""
+        return 3 * len(self.points)
+
+
+def displacement_space(mesh: VolumeMesh) -> Space:
+    """Points of the quadratic displacements on a mesh.
+
+    Raises
+    ------
+    InputError
+        If the mesh has no group "base".
+    """
+    base = mesh.group_nodes("base")
+    if mesh.kind is ElementKind.TETRA10:
+        return Space(kind=mesh.kind, points=mesh.nodes, connectivity=mesh.elements, base=base)
+    n = len(mesh.nodes)
+    ends = np.sort(mesh.elements[:, HEXAHEDRON_EDGES].reshape(-1, 2), axis=1)
+    keys, edge = np.unique(ends[:, 0] * n + ends[:, 1], return_inverse=True)
+    middle = 0.5 * (mesh.nodes[keys // n] + mesh.nodes[keys % n])
+    facets = mesh.groups["base"]
+    sides = np.sort(np.stack([facets, np.roll(facets, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
+    on_base = np.flatnonzero(np.isin(keys, sides[:, 0] * n + sides[:, 1]))
+    return Space(
+        kind=mesh.kind,
+        points=np.vstack([mesh.nodes, middle]),
+        connectivity=np.hstack([mesh.elements, n + edge.reshape(-1, len(HEXAHEDRON_EDGES))]),
+        base=np.concatenate([base, n + on_base]),
+    )
+
+
+def tabulate(kind: ElementKind, order: int) -> ElementTable:
+    """Shape functions at the points of a rule that is exact to the polynomial degree `order`."""
+    import skfem
+    from skfem.quadrature import get_quadrature
+
+    if kind is ElementKind.HEXAHEDRON:
+        linear, quadratic, geometry = skfem.ElementHex1(), skfem.ElementHexS2(), skfem.ElementHex1()
+        corners, edges = HEXAHEDRON_CORNERS, HEXAHEDRON_EDGES
+    else:
+        linear, quadratic, geometry = skfem.ElementTetP1(), skfem.ElementTetP2(), skfem.ElementTetP2()
+        corners, edges = TETRAHEDRON_CORNERS, TETRAHEDRON_EDGES
+    nodes = np.vstack([corners, corners[edges].mean(axis=1)])
+    points, weights = get_quadrature(quadratic, order)
+    values, gradients = _functions(quadratic, nodes, points)
+    geometry_nodes = nodes[: kind.nodes]
+    _, geometry_gradients = _functions(geometry, geometry_nodes, points)
+    at_points, _ = _functions(linear, corners, points)
+    at_nodes, _ = _functions(linear, corners, geometry_nodes.T)
+    return ElementTable(
+        weights=weights,
+        values=values,
+        gradients=gradients,
+        geometry_gradients=geometry_gradients,
+        extrapolation=at_nodes @ np.linalg.pinv(at_points),
+    )
+
+
+def _functions(element: Any, nodes: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Values (q, b) and gradients (q, 3, b) of scikit-fem's functions, in the order of `nodes`."""
+    distance = np.abs(element.doflocs[None] - nodes[:, None]).max(axis=2)
+    own = [element.lbasis(points.copy(), int(i)) for i in distance.argmin(axis=1)]
+    values = np.stack([np.broadcast_to(value, points.shape[1]) for value, _ in own], axis=-1)
+    gradients = np.stack([np.broadcast_to(g.T, points.T.shape) for _, g in own], axis=-1)
+    return values, gradients

@@ -1,0 +1,173 @@
+"""Writing a response for people and programs, and reading it back for a comparison.
+
+A folder holds ``response.json`` (the figures) and ``response.vtu`` (the fields, for ParaView). Both are
+lossless, except that the mesh's facet groups are not kept.
+"""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fd2fem.errors import InputError
+from fd2fem.model import ElementKind, Response, VolumeMesh
+from fd2fem.model.checks import as_array
+
+if TYPE_CHECKING:
+    import meshio
+
+__all__ = ["SCHEMA", "read_response", "response_to_dict", "write_response"]
+
+SCHEMA = "fd2fem/response-1"
+FIGURES = "response.json"
+FIELDS = "response.vtu"
+
+KEYS: Mapping[str, str] = MappingProxyType(
+    {
+        "max_displacement_m": "max_displacement",
+        "max_principal_stress_pa": "max_principal_stress",
+        "p95_principal_stress_pa": "p95_principal_stress",
+        "p99_principal_stress_pa": "p99_principal_stress",
+        "rms_stress_pa": "rms_stress",
+        "weight_n": "weight",
+        "strain_energy_j": "strain_energy",
+        "dissipated_energy_j": "dissipated_energy",
+        "max_crack_opening_m": "max_crack_opening",
+        "damage_class": "damage_class",
+    }
+)
+"""Keys of the file that hold a scalar, and the attributes of the response."""
+
+
+def response_to_dict(response: Response) -> dict[str, Any]:
+    """The figures of a response as JSON values, schema "fd2fem/response-1"."""
+    return {
+        "schema": SCHEMA,
+        "converged": True,
+        **{key: getattr(response, name) for key, name in KEYS.items()},
+        "reaction_n": response.reaction.tolist(),
+        "mesh": {
+            "nodes": len(response.mesh.nodes),
+            "elements": len(response.mesh.elements),
+            "dofs": response.dofs,
+        },
+        "solver": dict(response.solver),
+        "timings_s": dict(response.timings),
+    }
+
+
+def write_response(response: Response, folder: Path) -> None:
+    """Write ``response.vtu`` and then ``response.json`` into a folder, which is made if need be.
+
+    The fields are displacement (m), stress (Pa: xx, yy, zz, xy, yz, xz) and principal_stress (Pa) at
+    the nodes, and sigma1 (Pa), the mean over the element's nodes. Each file appears under its name
+    only when it is whole.
+    """
+    import meshio
+
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    sigma1 = response.principal_stress[response.mesh.elements, 0].mean(axis=1)
+    grid = meshio.Mesh(
+        response.mesh.nodes,
+        [(response.mesh.kind.value, response.mesh.elements.astype(np.int64))],
+        point_data={
+            "displacement": response.displacement,
+            "stress": response.stress,
+            "principal_stress": response.principal_stress,
+        },
+        cell_data={"sigma1": [sigma1]},
+    )
+    fields = folder / f"{FIELDS}.part"
+    grid.write(fields, file_format="vtu")
+    fields.replace(folder / FIELDS)
+    figures = folder / f"{FIGURES}.part"
+    text = json.dumps(response_to_dict(response), indent=2, allow_nan=False)
+    figures.write_text(text + "\n", encoding="utf-8")
+    figures.replace(folder / FIGURES)
+
+
+def read_response(folder: Path) -> Response:
+    """Read what `write_response` wrote; the mesh's groups come back empty.
+
+    Raises
+    ------
+    InputError
+        If a file is missing, damaged, of another schema, or the two do not belong together.
+    """
+    folder = Path(folder)
+    figures = _read_figures(folder / FIGURES)
+    grid = _read_fields(folder / FIELDS)
+    try:
+        response = _assemble_response(figures, grid)
+        counted = figures["mesh"]["nodes"], figures["mesh"]["elements"]
+    except KeyError as error:
+        msg = f"The response in {folder} lacks {error}: analyse again."
+        raise InputError(msg) from error
+    except (TypeError, ValueError) as error:
+        msg = f"The response in {folder} is damaged ({error}): analyse again."
+        raise InputError(msg) from error
+    if counted != (len(response.mesh.nodes), len(response.mesh.elements)):
+        msg = f"{FIGURES} and {FIELDS} in {folder} belong to different meshes: analyse again."
+        raise InputError(msg)
+    return response
+
+
+def _assemble_response(figures: dict[str, Any], grid: "meshio.Mesh") -> Response:
+    scalars = as_array("figures", [figures[key] for key in KEYS], (len(KEYS),)).tolist()
+    named = dict(zip(KEYS.values(), scalars, strict=True))
+    (block,) = grid.cells
+    mesh = VolumeMesh(nodes=grid.points, elements=block.data, kind=ElementKind(block.type), groups={})
+    return Response(
+        mesh=mesh,
+        displacement=grid.point_data["displacement"],
+        stress=grid.point_data["stress"],
+        principal_stress=grid.point_data["principal_stress"],
+        reaction=figures["reaction_n"],
+        dofs=figures["mesh"]["dofs"],
+        solver=figures["solver"],
+        timings=figures["timings_s"],
+        **(named | {"damage_class": int(named["damage_class"])}),
+    )
+
+
+def _read_figures(path: Path) -> dict[str, Any]:
+    try:
+        figures = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        msg = f"{path} does not exist: give a folder that 'fd2fem analyse' wrote."
+        raise InputError(msg) from error
+    except (OSError, ValueError) as error:
+        msg = f"{path} cannot be read ({error})."
+        raise InputError(msg) from error
+    schema = figures.get("schema") if isinstance(figures, dict) else None
+    if schema != SCHEMA:
+        msg = f"{path} has the schema {schema!r}, expected {SCHEMA!r}."
+        raise InputError(msg)
+    if figures.get("converged") is not True:
+        msg = f"{path} does not state that the analysis converged: analyse again."
+        raise InputError(msg)
+    return dict(figures)
+
+
+def _read_fields(path: Path) -> "meshio.Mesh":
+    # meshio.read ends the process on a damaged file; the format's own reader raises.
+    import zlib
+    from xml.etree.ElementTree import ParseError
+
+    from meshio import vtu
+    from meshio._exceptions import CorruptionError, ReadError
+
+    if not path.is_file():
+        msg = f"{path} does not exist: give a folder that 'fd2fem analyse' wrote."
+        raise InputError(msg)
+    damage = CorruptionError, ReadError, ParseError, zlib.error
+    slips = AssertionError, LookupError, OSError, RuntimeError, ValueError
+    try:
+        return vtu.read(path)
+    except (*damage, *slips) as error:
+        msg = f"{path} is no VTU file that can be read ({str(error) or type(error).__name__})."
+        raise InputError(msg) from error

@@ -1,0 +1,162 @@
+"""Files that a response is written to."""
+
+import json
+
+import numpy as np
+import pytest
+
+from fd2fem.errors import InputError
+from solvers.elasticity import analyse
+from solvers.results import read_response, response_to_dict, write_response
+
+CONTRACT = {
+    "schema", "converged", "max_displacement_m", "max_principal_stress_pa", "p95_principal_stress_pa",
+    "p99_principal_stress_pa", "rms_stress_pa", "reaction_n", "strain_energy_j", "dissipated_energy_j",
+    "max_crack_opening_m", "damage_class", "mesh", "solver", "timings_s",
+}  # fmt: skip
+
+SCALARS = (
+    "weight", "max_displacement", "max_principal_stress", "p95_principal_stress", "p99_principal_stress",
+    "rms_stress", "strain_energy", "dissipated_energy", "max_crack_opening", "damage_class", "dofs",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def response(punched_wall):
+    return analyse(punched_wall)
+
+
+@pytest.fixture
+def folder(response, tmp_path):
+    write_response(response, tmp_path / "new" / "out")
+    return tmp_path / "new" / "out"
+
+
+def test_figures(response):
+    figures = json.loads(json.dumps(response_to_dict(response), allow_nan=False))
+    assert set(figures) >= CONTRACT
+    assert figures["schema"] == "fd2fem/response-1"
+    assert figures["converged"] is True
+    assert figures["max_displacement_m"] == np.linalg.norm(response.displacement, axis=1).max()
+    assert figures["max_principal_stress_pa"] == response.principal_stress[:, 0].max()
+    # 7 x 7 x 2 nodes, all of them on the opening's rim or off it but the one in its middle; 32 elements.
+    assert figures["mesh"]["nodes"] == 2 * (49 - 1)
+    assert figures["mesh"]["elements"] == 32
+    assert figures["solver"]["settlement"]["vertical_left"] == -0.0445
+    assert set(figures["timings_s"]) == {"assemble", "solve", "stress"}
+
+
+def test_nothing_else_is_left(folder):
+    assert sorted(path.name for path in folder.iterdir()) == ["response.json", "response.vtu"]
+
+
+@pytest.mark.parametrize("kind", ["hexahedron", "tetra10"])
+def test_what_is_read_back_is_what_was_written(kind, punched_wall, tetrahedra, tmp_path):
+    response = analyse(punched_wall if kind == "hexahedron" else tetrahedra(punched_wall))
+    write_response(response, tmp_path)
+    again = read_response(tmp_path)
+    for name in ("displacement", "stress", "principal_stress", "reaction"):
+        assert np.array_equal(getattr(again, name), getattr(response, name))
+    for name in SCALARS:
+        assert getattr(again, name) == getattr(response, name)
+    assert np.array_equal(again.mesh.nodes, response.mesh.nodes)
+    assert np.array_equal(again.mesh.elements, response.mesh.elements)
+    assert again.mesh.kind is response.mesh.kind
+    assert again.solver == response.solver
+    assert again.timings == response.timings
+
+
+def test_vtk_reads_the_fields(response, folder):
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+
+    reader = vtkXMLUnstructuredGridReader()
+    reader.SetFileName(str(folder / "response.vtu"))
+    size = vtkCellSizeFilter()
+    size.SetInputConnection(reader.GetOutputPort())
+    size.Update()
+    grid = size.GetUnstructuredGridOutput()
+    fields = {
+        name: vtk_to_numpy(grid.GetPointData().GetArray(name))
+        for name in ("displacement", "stress", "principal_stress")
+    }
+    cells = grid.GetCellData()
+    assert np.array_equal(fields["displacement"], response.displacement)
+    assert np.array_equal(fields["stress"], response.stress)
+    assert np.array_equal(fields["principal_stress"], response.principal_stress)
+    assert vtk_to_numpy(cells.GetArray("Volume")).sum() == pytest.approx((9 - 1) * 0.4)
+    first = response.mesh.elements[0]
+    assert vtk_to_numpy(cells.GetArray("sigma1"))[0] == pytest.approx(
+        response.principal_stress[first, 0].mean()
+    )
+
+
+def _edit(folder, **changes):
+    path = folder / "response.json"
+    figures = json.loads(path.read_text(encoding="utf-8")) | changes
+    path.write_text(json.dumps({k: v for k, v in figures.items() if v != "drop"}), encoding="utf-8")
+
+
+def _replace(folder, old, new):
+    path = folder / "response.vtu"
+    data = path.read_bytes()
+    assert old.encode() in data
+    path.write_bytes(data.replace(old.encode(), new.encode()))
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda f: (f / "response.json").unlink(), "response.json does not exist"),
+        (lambda f: (f / "response.vtu").unlink(), "response.vtu does not exist"),
+        (lambda f: (f / "response.json").write_text("{", encoding="utf-8"), "response.json cannot be read"),
+        (lambda f: (f / "response.json").write_bytes(b"\xff\xfe\x00"), "response.json cannot be read"),
+        (lambda f: (f / "response.json").write_text("[]", encoding="utf-8"), "has the schema None"),
+        (lambda f: (f / "response.vtu").write_text("", encoding="utf-8"), "no VTU file"),
+        (lambda f: (f / "response.vtu").write_text("<VTKFile/>", encoding="utf-8"), "no VTU file"),
+        (lambda f: _replace(f, 'Points" NumberOfComponents="3"', 'Points" NumberOfComponents="7"'), "no VTU"),
+        (lambda f: _replace(f, 'Name="stress"', 'Name="strain"'), "lacks 'stress'"),
+        (lambda f: _replace(f, 'Name="principal_stress" Num', 'Name="x" Num'), "lacks 'principal_stress'"),
+        (lambda f: _edit(f, schema="fd2fem/response-9"), "schema 'fd2fem/response-9', expected"),
+        (lambda f: _edit(f, reaction_n="drop"), "lacks 'reaction_n'"),
+        (lambda f: _edit(f, reaction_n=[1, 2]), "is damaged"),
+        (lambda f: _edit(f, reaction_n=None), "is damaged"),
+        (lambda f: _edit(f, weight_n="heavy"), "is damaged"),
+        (lambda f: _edit(f, rms_stress_pa=float("nan")), "is damaged .* not finite"),
+        (lambda f: _edit(f, strain_energy_j=None), "is damaged"),
+        (lambda f: _edit(f, converged=False), "does not state that the analysis converged"),
+        (lambda f: _edit(f, solver=3), "is damaged"),
+        (lambda f: _edit(f, mesh=[]), "is damaged"),
+        (lambda f: _edit(f, mesh={"nodes": 3, "dofs": 9}), "lacks 'elements'"),
+        (lambda f: _edit(f, mesh={"nodes": 3, "elements": 1, "dofs": 9}), "belong to different meshes"),
+    ],
+)
+def test_damaged_files_are_refused(folder, damage, message):
+    damage(folder)
+    with pytest.raises(InputError, match=message):
+        read_response(folder)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.2, 0.5, 0.8, 0.95, 0.99])
+def test_a_file_cut_short_is_refused(folder, share):
+    path = folder / "response.vtu"
+    data = path.read_bytes()
+    path.write_bytes(data[: int(share * len(data))])
+    with pytest.raises(InputError, match=r"response.vtu is no VTU file|is damaged|lacks"):
+        read_response(folder)
+
+
+def test_swapped_bytes_raise_nothing_else(folder):
+    path = folder / "response.vtu"
+    data = path.read_bytes()
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        broken = bytearray(data)
+        for place in rng.integers(0, len(data), 3):
+            broken[place] = int(rng.integers(0, 256))
+        path.write_bytes(bytes(broken))
+        try:
+            read_response(folder)
+        except InputError:
+            continue
