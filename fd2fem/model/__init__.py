@@ -2,7 +2,7 @@
 
 from fd2fem.model.cloud import PointCloud
 from fd2fem.model.comparison import Comparison, QuantityComparison
-from fd2fem.model.facade import EdgeSigma, Facade, FilledHole, Opening, OpeningKind, rectangle
+from fd2fem.model.facade import EdgeSigma, Facade, FilledHole, Opening, OpeningKind, number_by_rows, rectangle
 from fd2fem.model.frame import FacadeFrame, FacadePoints
 from fd2fem.model.mesh import GROUPS, ElementKind, MeshQuality, VolumeMesh
 from fd2fem.model.reconstruction import (
@@ -48,5 +48,6 @@ __all__ = [
     "SolidModel",
     "VolumeMesh",
     "VoxelModel",
+    "number_by_rows",
     "rectangle",
 ]

@@ -1,7 +1,7 @@
 """The facade: what a reconstruction finds and a drawing states."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from types import MappingProxyType
 from typing import Any
@@ -13,10 +13,12 @@ from fd2fem.errors import InputError
 from fd2fem.model.checks import as_ring, check_positive, signed_area
 from fd2fem.model.frame import FacadeFrame
 
-__all__ = ["EdgeSigma", "Facade", "FilledHole", "Opening", "OpeningKind", "rectangle"]
+__all__ = ["EdgeSigma", "Facade", "FilledHole", "Opening", "OpeningKind", "number_by_rows", "rectangle"]
 
 TOUCH = 1e-6
 """Two edges closer than this, m, are taken to touch."""
+ROW_GAP = 0.1
+"""Sills that follow one another so closely, m, make a row of openings."""
 
 
 class OpeningKind(StrEnum):
@@ -100,6 +102,27 @@ class Opening:
     def area(self) -> float:
         """Area of the outline, m²."""
         return signed_area(self.outline)
+
+
+def number_by_rows(openings: Iterable[Opening]) -> tuple[Opening, ...]:
+    """Number openings from 1: row by row from the ground, in a row from left to right.
+
+    Examples
+    --------
+    >>> boxes = [rectangle(3, 1.02, 1, 1), rectangle(1, 4, 1, 1), rectangle(1, 1, 1, 1)]
+    >>> numbered = number_by_rows(Opening(0, OpeningKind.WINDOW, box) for box in boxes)
+    >>> [(opening.id, opening.x, opening.z) for opening in numbered]
+    [(1, 1.0, 1.0), (2, 3.0, 1.02), (3, 1.0, 4.0)]
+    """
+    by_sill = sorted(openings, key=lambda opening: opening.z)
+    rows: list[list[Opening]] = []
+    for opening in by_sill:
+        if rows and opening.z - rows[-1][-1].z <= ROW_GAP:
+            rows[-1].append(opening)
+        else:
+            rows.append([opening])
+    ordered = [opening for row in rows for opening in sorted(row, key=lambda opening: opening.x)]
+    return tuple(replace(opening, id=number) for number, opening in enumerate(ordered, start=1))
 
 
 @dataclass(frozen=True, eq=False)

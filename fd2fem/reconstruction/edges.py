@@ -11,6 +11,8 @@ STRAY_RUN = 6
 """A point counts as wall when so many points follow it about as densely as on the wall."""
 STRAY_GAP = 4.0
 """... that is, within so many times the distance that they would take there."""
+RIM = 0.15
+"""Random points are used so many spacings deep: re-sampling to a smallest distance crowds an edge."""
 
 
 def edge_position(
@@ -103,7 +105,7 @@ def _outermost(distance: FloatArray, rate: float, spacing: float) -> tuple[int, 
         ends = np.flatnonzero(gaps > widest / 2.0)
         if len(ends) >= 2:
             return int(ends[1]) + 1, widest
-    return min(len(distance), max(STRAY_RUN, int(np.ceil(spacing * rate)))), 0.0
+    return min(len(distance), max(STRAY_RUN, int(np.ceil(RIM * spacing * rate)))), 0.0
 
 
 def _first_of_wall(distance: FloatArray, rate: float) -> int:

@@ -185,8 +185,11 @@ def _classify(
     left, right = histogram_peaks(middle[:, 0], run[:, 1], centre=centre.x, width=width)
     bottom, top = histogram_peaks(middle[:, 1], run[:, 0], centre=centre.y, width=width)
     foot = float(points.xz[:, 1].min()) if points.ground is None else points.ground
+    foot_in_shadow = 0.0
     if _open_below(points, (left, right), float(points.xz[members, 1].min()), foot, boundary.threshold):
         bottom = foot
+        lowest = shapely.box(left, foot, right, min(foot + options.min_opening, top))
+        foot_in_shadow, _ = _share_of_cells(lowest, rays, cell=3.0 * points.spacing)
     length, height = right - left, top - bottom
     box = shapely.box(left, bottom, right, top)
     filled = shape.intersection(box).area / max(box.area, 1e-12)
@@ -215,6 +218,7 @@ def _classify(
             "rectangularity": round(float(filled), 3),
             "in_shadow": round(shadow, 3),
             "seen_through": round(through, 3),
+            "foot_in_shadow": round(foot_in_shadow, 3),
             "scanners": len(points.scanners),
         },
     )

@@ -83,7 +83,8 @@ def point_spacing(xz: FloatArray) -> float:
     xz : (n, 2) float array, m
         At least nine points.
     """
-    sample = xz[:: max(1, len(xz) // 2000)]
+    # Picked along x, so that the order of the points does not matter.
+    sample = xz[np.argsort(xz[:, 0], kind="stable")[:: max(1, len(xz) // 2000)]]
     distance = cKDTree(xz).query(sample, k=9)[0][:, 8]
     return float(np.median(distance) * np.sqrt(np.pi / 8.0))
 
@@ -120,8 +121,29 @@ def find_facade(cloud: PointCloud, *, options: ReconstructionOptions) -> FacadeP
     shift = _face_before(thin, weight, sign * depth, normal)
     if shift:
         on_plane, normal = _refine_plane(thin, weight, on_plane + sign * shift * normal, normal)
-    frame = FacadeFrame(centre + on_plane, _axes(sign * normal))
+    frame = _settle(cloud.points, FacadeFrame(centre + on_plane, _axes(sign * normal)))
     return _sort_points(cloud, frame, outside_by, options)
+
+
+def _settle(points: FloatArray, frame: FacadeFrame) -> FacadeFrame:
+    """The frame of the least-squares plane through all points of the wall.
+
+    The search sees a sample that depends on the order of the points; this fit does not.
+    """
+    for _ in range(4):
+        local = frame.to_facade(points)
+        near = np.flatnonzero(np.abs(local[:, 1]) < NEAR_PLANE)
+        if len(near) < MIN_POINTS:
+            break
+        wall = local[near[_largest_part(local[near][:, [0, 2]])]]
+        middle = np.median(wall[:, 1])
+        scatter = 1.4826 * float(np.median(np.abs(wall[:, 1] - middle)))
+        wall = wall[np.abs(wall[:, 1] - middle) < max(3.0 * scatter, 1e-4)]
+        on_plane = wall.mean(axis=0)
+        normal = np.linalg.eigh(np.cov((wall - on_plane).T))[1][:, 0]
+        inward = (normal * np.sign(normal[1])) @ frame.axes
+        frame = FacadeFrame(frame.to_world(on_plane[None])[0], _axes(inward))
+    return frame
 
 
 def _search_plane(points: FloatArray, weight: FloatArray, seed: int) -> tuple[FloatArray, FloatArray]:

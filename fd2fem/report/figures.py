@@ -199,7 +199,9 @@ def draw_mesh(mesh: VolumeMesh, response: Response, path: Path) -> None:
         color=BOUNDARY,
         width=0.004,
     )
-    axes[1].set_ylim(-0.2 * np.ptp(mesh.nodes[:, 2]), None)
+    reach = 0.12 * np.ptp(mesh.nodes[:, 2])
+    low, high = mesh.nodes.min(axis=0), mesh.nodes.max(axis=0)
+    axes[1].set(xlim=(low[0] - reach, high[0] + reach), ylim=(low[2] - reach, high[2] + reach))
     axes[1].set_title(f"imposed displacements, x{scale:.0f}")
     save(figure, path)
 

@@ -1,0 +1,77 @@
+"""gmsh is one per process: this opens it, quietly, for one model at a time and closes it again."""
+
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from types import ModuleType
+
+from fd2fem.errors import NumericsError
+
+__all__ = ["gmsh_session"]
+
+_ONE_AT_A_TIME = threading.RLock()
+_QUIET: Mapping[str, float] = {"General.Terminal": 0.0}
+
+
+def _load_gmsh() -> ModuleType:
+    """Import gmsh, whose wheel needs system libraries even without a screen."""
+    try:
+        import gmsh
+    except OSError as error:
+        msg = (
+            f"gmsh could not load a system library ({error}): install them, on Debian and Ubuntu with "
+            "'apt-get install libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libgomp1'."
+        )
+        raise NumericsError(msg) from error
+    module: ModuleType = gmsh
+    return module
+
+
+@contextmanager
+def gmsh_session(options: Mapping[str, float | str] | None = None) -> Iterator[ModuleType]:
+    """Give gmsh with an empty model and `options` set; leave no trace of either.
+
+    Threads take turns. A gmsh that the caller opened stays open, with its models and options.
+
+    Parameters
+    ----------
+    options : mapping of str to float or str
+        gmsh's own options, by its names.
+
+    Raises
+    ------
+    NumericsError
+        If gmsh lacks a system library.
+    """
+    with _ONE_AT_A_TIME:
+        gmsh = _load_gmsh()
+        opened = not gmsh.isInitialized()
+        if opened:
+            # A user's .gmshrc must not change the mesh; signals belong to the main thread.
+            gmsh.initialize(readConfigFiles=False, interruptible=False)
+        current = gmsh.model.getCurrent()
+        before: dict[str, float | str] = {}
+        try:
+            for name, value in {**_QUIET, **(options or {})}.items():
+                before[name] = _set_option(gmsh, name, value)
+            gmsh.model.add("fd2fem")
+            yield gmsh
+        finally:
+            if opened:
+                gmsh.finalize()
+            else:
+                gmsh.model.remove()
+                gmsh.model.setCurrent(current)
+                for name, value in before.items():
+                    _set_option(gmsh, name, value)
+
+
+def _set_option(gmsh: ModuleType, name: str, value: float | str) -> float | str:
+    """Set one option and return what it was."""
+    if isinstance(value, str):
+        text: str = gmsh.option.getString(name)
+        gmsh.option.setString(name, value)
+        return text
+    number: float = gmsh.option.getNumber(name)
+    gmsh.option.setNumber(name, value)
+    return number
