@@ -4,6 +4,7 @@ If anything fails on the way, nothing is left behind; an existing result stays u
 otherwise.
 """
 
+import filecmp
 import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -41,7 +42,9 @@ def staged_folder(folder: Path, *, expected: Sequence[str] = (), force: bool = F
     try:
         yield stage
         made = sorted(path.relative_to(stage) for path in stage.rglob("*") if path.is_file())
-        _refuse_clash(folder, [str(name) for name in made], force=force)
+        # A file that is there already, to the last byte, is no clash: the facade that was analysed, say.
+        new = [str(name) for name in made if not _same(stage / name, folder / name)]
+        _refuse_clash(folder, new, force=force)
         if folder.exists():
             for name in made:
                 (folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -84,6 +87,10 @@ def _refuse_clash(folder: Path, names: Sequence[str], *, force: bool) -> None:
         if (folder / name).exists():
             msg = f"{folder / name} exists; give another place, or --force to replace it."
             raise InputError(msg)
+
+
+def _same(first: Path, second: Path) -> bool:
+    return second.is_file() and filecmp.cmp(first, second, shallow=False)
 
 
 def _stage_beside(target: Path) -> Path:

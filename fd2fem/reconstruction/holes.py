@@ -23,6 +23,8 @@ SMALLEST = 0.25
 """Gaps smaller than this share of the smallest opening's area are not holes but missed points."""
 
 
+EDGE_SHOWN = 0.2
+"""An edge shows when so much of a hole's extent along it is seen."""
 PEAK = 0.5
 """Share of the highest bin from which on a bin is a peak."""
 
@@ -53,7 +55,7 @@ def equation_1(height: float, length: float, *, options: ReconstructionOptions) 
 
 
 def histogram_peaks(
-    values: FloatArray, weights: FloatArray, *, centre: float, width: float
+    values: FloatArray, weights: FloatArray, *, centre: float, width: float, least: float = 0.0
 ) -> tuple[float, float]:
     """Positions of the two opposite edges of a hole: the peaks of a coordinate histogram (figure 5).
 
@@ -70,11 +72,13 @@ def histogram_peaks(
         Inside the hole; one peak lies on either side of it.
     width : float, m
         Of a bin.
+    least : float
+        Weight below which nothing is a peak.
 
     Returns
     -------
     low, high : float, m
-        Weighted medians in the peak bins; the extreme values where a side has nothing.
+        Weighted medians in the peak bins; the extreme values where a side has no peak.
 
     Examples
     --------
@@ -93,6 +97,9 @@ def histogram_peaks(
         count, _ = np.histogram(outward[side], edges, weights=weights[side])
         # Pairs of bins, so that a peak that falls on a bin's edge is not halved.
         pair = count[:-1] + count[1:]
+        if pair.max() < least:
+            found.append(float(values.min() if sign < 0 else values.max()))
+            continue
         peak = int(np.flatnonzero(pair >= PEAK * pair.max())[-1])
         if peak > 0 and pair[peak - 1] > pair[peak]:
             peak -= 1
@@ -182,8 +189,14 @@ def _classify(
     width = max(2.0 * points.spacing, 0.02)
     corners = np.array(shape.exterior.coords)
     middle, run = (corners[1:] + corners[:-1]) / 2.0, np.abs(np.diff(corners, axis=0))
-    left, right = histogram_peaks(middle[:, 0], run[:, 1], centre=centre.x, width=width)
-    bottom, top = histogram_peaks(middle[:, 1], run[:, 0], centre=centre.y, width=width)
+    # Longer segments bridge what is hidden, or cut a corner: no edge of the wall runs along them.
+    seen = np.hypot(run[:, 0], run[:, 1]) <= boundary.threshold
+    # The corners weigh nothing, but say how far the hole reaches where no edge shows.
+    middle = np.concatenate([middle[seen], corners])
+    run = np.concatenate([run[seen], np.zeros_like(corners)])
+    least = EDGE_SHOWN * np.ptp(corners, axis=0)
+    left, right = histogram_peaks(middle[:, 0], run[:, 1], centre=centre.x, width=width, least=least[1])
+    bottom, top = histogram_peaks(middle[:, 1], run[:, 0], centre=centre.y, width=width, least=least[0])
     foot = float(points.xz[:, 1].min()) if points.ground is None else points.ground
     foot_in_shadow = 0.0
     if _open_below(points, (left, right), float(points.xz[members, 1].min()), foot, boundary.threshold):

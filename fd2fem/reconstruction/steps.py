@@ -103,7 +103,8 @@ def _warnings(
             continue
         along = 1 if line.side.vertical else 0
         run = np.abs(line.end - line.start)
-        if run[1 - along] > max(4.0 * points.spacing, np.tan(SLANT) * run[along]):
+        long = run[along] >= options.min_opening
+        if long and run[1 - along] > max(4.0 * points.spacing, np.tan(SLANT) * run[along]):
             name = "wall" if line.hole < 0 else f"opening at x = {holes[line.hole].x:.2f} m"
             warnings.append(
                 f"The {line.side} edge of the {name} is off by {1000 * run[1 - along] / run[along]:.0f} mm a "

@@ -1,0 +1,165 @@
+"""A small real run and what the report makes of it."""
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from PIL import Image
+from synthetic import cleaned_cloud, facade_of
+
+from fd2fem.config import PipelineOptions
+from fd2fem.meshing import MeshOptions
+from fd2fem.pipeline import run
+from fd2fem.report import facade_summary, write_report
+
+DRAWING = facade_of(4.0, 3.0, [(0.6, 0.0, 0.9, 2.0), (2.2, 1.0, 1.2, 1.3)])
+PICTURES = ["01_scan", "02_boundary", "03_openings", "04_lines", "05_voxels", "06_mesh", "07_response"]
+WITH_REFERENCE = ["08_reference", "09_comparison"]
+VOID = {"meta", "img", "br", "hr", "link", "input"}
+
+
+class _Page(HTMLParser):
+    """What a page holds; complains about tags that are not closed in turn."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.images, self.text, self.cells = [], [], [], []
+        self._open = []
+        self.feed(text)
+        self.close()
+        assert self._open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        if tag == "img":
+            self.images.append(dict(attrs))
+        if tag not in VOID:
+            self._open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self._open.pop() == tag
+
+    def handle_data(self, data):
+        self.text.append(data)
+        if self._open and self._open[-1] == "td":
+            self.cells.append(data)
+
+
+def _page(folder):
+    return _Page((folder / "report.html").read_text(encoding="utf-8"))
+
+
+def _run(folder, reference):
+    options = PipelineOptions(mesh=MeshOptions(size=0.5))
+    cloud = cleaned_cloud(DRAWING, 0.03, seed=2)
+    return run(cloud, folder, reference=reference, options=options, progress=lambda _: None)
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("alone")
+    return _run(folder, None), folder
+
+
+@pytest.fixture(scope="module")
+def compared(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("compared")
+    return _run(folder, DRAWING), folder
+
+
+@pytest.mark.parametrize("name", PICTURES + WITH_REFERENCE)
+def test_every_picture_shows_something(compared, name):
+    with Image.open(compared[1] / f"{name}.png") as picture:
+        picture.verify()
+    with Image.open(compared[1] / f"{name}.png") as picture:
+        assert picture.format == "PNG"
+        assert 600 < picture.width < 2500
+        assert 300 < picture.height < 2500
+        pixels = np.asarray(picture.convert("RGB")).reshape(-1, 3)
+    colours = np.unique(pixels, axis=0)
+    inked = (pixels != 255).any(axis=1).mean()
+    assert len(colours) > 20
+    assert 0.005 < inked < 0.9
+
+
+def test_without_a_reference_there_is_nothing_of_one(alone):
+    _, folder = alone
+    assert sorted(path.stem for path in folder.glob("*.png")) == PICTURES
+    page = _page(folder)
+    assert [image["src"] for image in page.images] == [f"{name}.png" for name in PICTURES]
+    assert "No reference was given" in " ".join(page.text)
+
+
+def test_page_shows_every_picture_with_a_caption(compared):
+    _, folder = compared
+    page = _page(folder)
+    assert [image["src"] for image in page.images] == [f"{name}.png" for name in PICTURES + WITH_REFERENCE]
+    for image in page.images:
+        assert (folder / image["src"]).is_file()
+        assert image["alt"]
+    assert page.tags.count("figcaption") == len(page.images)
+
+
+def test_page_gives_verdict_and_figures(compared):
+    result, folder = compared
+    page = _page(folder)
+    assert result.comparison.passed
+    assert "The scan- and drawing-derived models agree within 5 %." in " ".join(page.text)
+    cells = page.cells
+    # The drawing's figures by hand: 0.9 x 2.0 + 1.2 x 1.3 m² of openings.
+    for name, reference in (("length", "4.000"), ("height", "3.000"), ("opening_area", "3.360")):
+        assert cells[cells.index(name) + 2] == reference
+    assert [cell for cell in cells if re.match(r"\d (door|window)$", cell)] == ["1 door", "2 window"]
+    widths = [float(cells[cells.index(name) + 3]) for name in ("1 door", "2 window")]
+    assert widths == pytest.approx([0.9, 1.2], abs=0.03)
+
+
+def test_page_without_a_reference_gives_the_response(alone):
+    result, folder = alone
+    cells = _page(folder).cells
+    shown = float(cells[cells.index("largest displacement, mm") + 1])
+    assert shown == pytest.approx(1000 * result.response.max_displacement, abs=0.05)
+
+
+def _changed(result, *, warnings=(), **comparison):
+    """The same run with other warnings and another verdict."""
+    rebuilt = result.reconstruction
+    record = dict(rebuilt.facade.record) | {"warnings": list(warnings)}
+    rebuilt = replace(rebuilt, facade=replace(rebuilt.facade, record=record))
+    verdict = replace(result.comparison, **comparison) if comparison else result.comparison
+    return replace(result, reconstruction=rebuilt, comparison=verdict)
+
+
+def test_nothing_in_a_warning_or_reason_is_markup(compared, tmp_path):
+    bad = "<script>alert('x')</script> & <b>bold</b>"
+    write_report(_changed(compared[0], warnings=[bad], passed=False, reasons=(bad,)), tmp_path)
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "<script" not in text
+    assert "<b>" not in text
+    page = _Page(text)
+    assert " ".join(page.text).count(bad) == 2  # as text, once as a warning and once as a reason
+
+
+def test_a_dollar_in_a_warning_is_a_dollar(compared, tmp_path):
+    write_report(_changed(compared[0], warnings=["costs $title and ${tables}"]), tmp_path)
+    assert "costs $title and ${tables}" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_failing_comparison_says_why(compared, tmp_path):
+    write_report(_changed(compared[0], passed=False, reasons=("height is 7 % short",)), tmp_path)
+    text = " ".join(_page(tmp_path).text)
+    assert "do not agree within 5 %: height is 7 % short" in text
+    assert "models agree within" not in text
+
+
+def test_summary_of_a_reconstructed_facade(alone):
+    result, _ = alone
+    facade = result.reconstruction.facade
+    summary = facade_summary(facade)
+    assert summary["length"] == pytest.approx(4.0, abs=0.03)
+    assert summary["opening_area"] == facade.opening_area
+    assert [(entry["id"], entry["kind"]) for entry in summary["openings"]] == [(1, "door"), (2, "window")]
+    assert summary["points"]["read"] == len(result.cloud)
+    assert summary["warnings"] == list(facade.record["warnings"])

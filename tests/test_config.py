@@ -1,0 +1,85 @@
+import pytest
+
+from fd2fem.config import options_from_dict, read_options
+from fd2fem.errors import InputError
+from solvers import LinearSettlement, PeckTrough
+
+WHOLE = """
+[reconstruction]
+min_opening = 0.5
+thickness = 0.4
+
+[solid]
+anf_order = 4
+
+[mesh]
+size = 0.2
+
+[material]
+young = 2.0e9
+poisson = 0.2
+
+[settlement]
+kind = "peck"
+volume_loss = 0.01
+diameter = 6.0
+depth = 15.0
+
+[analysis]
+gravity = 9.8
+
+[comparison]
+tolerance = 0.1
+"""
+
+
+def test_every_section_arrives(tmp_path):
+    path = tmp_path / "c.toml"
+    path.write_text(WHOLE)
+    options = read_options(path)
+    assert options.reconstruction.min_opening == 0.5
+    assert options.reconstruction.thickness == 0.4
+    assert options.solid.anf_order == 4
+    assert options.mesh.size == 0.2
+    assert (options.analysis.material.young, options.analysis.material.density) == (2.0e9, 1900.0)
+    assert isinstance(options.analysis.settlement, PeckTrough)
+    assert options.analysis.gravity == 9.8
+    assert options.comparison.tolerance == 0.1
+
+
+def test_empty_configuration_is_the_default():
+    options = options_from_dict({}, source="empty")
+    assert options.analysis.settlement == LinearSettlement()
+    assert options.mesh.size == 0.25
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        ({"mehs": {}}, r"c: unknown section \[mehs\]; did you mean 'mesh'"),
+        ({"mesh": 3}, r"c: 'mesh' must be a section"),
+        ({"mesh": {"sise": 0.2}}, r"c: \[mesh\]: unknown key 'sise'; did you mean 'size'"),
+        ({"mesh": {"size": "coarse"}}, r"c: \[mesh\]: size: .*number"),
+        ({"mesh": {"size": -1.0}}, r"c: \[mesh\]: .*size"),
+        ({"material": {"poisson": 0.5}}, r"c: \[material\]: .*poisson"),
+        (
+            {"settlement": {"kind": "sinkhole"}},
+            r"c: \[settlement\]: kind is 'sinkhole', expected 'linear' or 'peck'",
+        ),
+        ({"settlement": {"kind": "peck", "depth": 15.0}}, r"c: \[settlement\]: volume_loss: .*required"),
+        ({"reconstruction": {"min_opening": 0}}, r"c: \[reconstruction\]: .*min_opening"),
+    ],
+)
+def test_mistakes_are_named_in_one_line(data, message):
+    with pytest.raises(InputError, match=message) as caught:
+        options_from_dict(data, source="c")
+    assert "\n" not in str(caught.value)
+
+
+def test_file_that_is_not_toml(tmp_path):
+    path = tmp_path / "c.toml"
+    path.write_text("size 3")
+    with pytest.raises(InputError, match=r"c\.toml is not TOML"):
+        read_options(path)
+    with pytest.raises(InputError, match="Cannot read the configuration"):
+        read_options(tmp_path / "missing.toml")
