@@ -1,7 +1,7 @@
 """Time the chain against named peers, measured in the same run: ``python benchmarks/run.py``.
 
-Every line gives our seconds, the peer's, and the ratio peer / ours: above 1 we are faster. CPU seconds are what
-counts on a busy machine, wall seconds stand beside them. Short measurements are the best of three.
+Every line gives our seconds, the peer's, and the ratio peer / ours: above 1 we are faster. CPU seconds are
+what counts on a busy machine, wall seconds stand beside them. Short measurements are the best of three.
 """
 
 import os

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from fd2fem import __version__
-from fd2fem.errors import Fd2femError, InputError
+from fd2fem.errors import SYSTEM_LIBRARIES, Fd2femError, InputError, NumericsError
 from fd2fem.model import Comparison, Facade, PointCloud, RunResult
 
 if TYPE_CHECKING:
@@ -56,6 +56,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 130
     except OSError as error:
         return _report(args, error, AT_FAULT)
+    except ImportError as error:
+        text = f"a library did not load ({error}); on Debian and Ubuntu: apt-get install {SYSTEM_LIBRARIES}"
+        return _report(args, NumericsError(text), FAILED, error)
     except MemoryError as error:
         return _report(
             args, MemoryError("out of memory: thin the scan or take larger elements"), FAILED, error

@@ -13,6 +13,7 @@ Every message is one line: what is wrong, where, and what to do.
 """
 
 __all__ = [
+    "SYSTEM_LIBRARIES",
     "ConvergenceError",
     "Fd2femError",
     "InputError",
@@ -20,6 +21,10 @@ __all__ = [
     "NumericsError",
     "ReconstructionError",
 ]
+
+
+SYSTEM_LIBRARIES = "libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libgomp1"
+"""Debian's packages of the shared libraries that the wheels of gmsh and OpenCASCADE need."""
 
 
 class Fd2femError(Exception):

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from types import ModuleType
 
-from fd2fem.errors import NumericsError
+from fd2fem.errors import SYSTEM_LIBRARIES, NumericsError
 
 __all__ = ["gmsh_session"]
 
@@ -20,7 +20,7 @@ def _load_gmsh() -> ModuleType:
     except OSError as error:
         msg = (
             f"gmsh could not load a system library ({error}): install them, on Debian and Ubuntu with "
-            "'apt-get install libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libgomp1'."
+            f"'apt-get install {SYSTEM_LIBRARIES}'."
         )
         raise NumericsError(msg) from error
     module: ModuleType = gmsh
