@@ -11,10 +11,10 @@ import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
-from fd2fem import __version__
-from fd2fem.errors import SYSTEM_LIBRARIES, Fd2femError, InputError, NumericsError
+from fd2fem.arguments import AT_FAULT, build_parser
+from fd2fem.errors import SYSTEM_LIBRARIES, Fd2femError, InputError
 from fd2fem.model import Comparison, Facade, PointCloud, RunResult
 
 if TYPE_CHECKING:
@@ -22,19 +22,10 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
-DONE, SHORT, AT_FAULT, FAILED = 0, 1, 2, 3
+DONE, SHORT, FAILED, STOPPED = 0, 1, 3, 130
 
 Summary = dict[str, Any]
 Command = Callable[[argparse.Namespace], tuple[int, Summary]]
-
-
-class _Parser(argparse.ArgumentParser):
-    """A parser that says what is wrong in one line."""
-
-    def error(self, message: str) -> NoReturn:
-        """Print the line and leave with the code for bad input."""
-        sys.stderr.write(f"{self.prog}: {message}; see {self.prog} --help\n")
-        raise SystemExit(AT_FAULT)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -45,154 +36,36 @@ def main(argv: Sequence[str] | None = None) -> int:
     argv : sequence of str or None
         Arguments without the program's name; ``None``: those of the process.
     """
-    args = _parser().parse_args(argv)
-    run: Command = args.command
+    args = build_parser().parse_args(argv)
     try:
-        code, summary = run(args)
-    except Fd2femError as error:
-        return _report(args, error, AT_FAULT if isinstance(error, InputError) else FAILED)
+        code, summary = COMMANDS[args.verb](args)
     except KeyboardInterrupt:
         sys.stderr.write("fd2fem: stopped\n")
-        return 130
-    except OSError as error:
-        return _report(args, error, AT_FAULT)
-    except ImportError as error:
-        text = f"a library did not load ({error}); on Debian and Ubuntu: apt-get install {SYSTEM_LIBRARIES}"
-        return _report(args, NumericsError(text), FAILED, error)
-    except MemoryError as error:
-        return _report(
-            args, MemoryError("out of memory: thin the scan or take larger elements"), FAILED, error
-        )
+        return STOPPED
     except Exception as error:  # noqa: BLE001  a user must never meet a traceback unasked
-        kind = type(error).__name__
-        wrapped = Fd2femError(f"internal error ({kind}: {error}); run again with --debug and report it")
-        return _report(args, wrapped, FAILED, error)
+        text, code = _diagnose(error)
+        if args.debug:
+            traceback.print_exception(error)
+        else:
+            sys.stderr.write(f"fd2fem: {' '.join(text.split())}\n")
+        return code
     if args.json:
         sys.stdout.write(json.dumps(summary, indent=1) + "\n")
     return code
 
 
-def _report(
-    args: argparse.Namespace, error: BaseException, code: int, cause: BaseException | None = None
-) -> int:
-    """Print one line on what went wrong, or the traceback if it was asked for."""
-    if args.debug:
-        traceback.print_exception(cause or error)
-    else:
-        sys.stderr.write(f"fd2fem: {' '.join(str(error).split())}\n")
-    return code
-
-
-def _parser() -> argparse.ArgumentParser:
-    """The commands and their options."""
-    common = _Parser(add_help=False)
-    common.add_argument("--json", action="store_true", help="print the summary as JSON on stdout")
-    common.add_argument("--force", action="store_true", help="replace results that exist")
-    common.add_argument("--quiet", action="store_true", help="no progress on stderr")
-    common.add_argument("--debug", action="store_true", help="show the traceback of an error")
-    parser = _Parser(
-        prog="fd2fem",
-        description="From a laser scan of a masonry facade to a finite element model that can be trusted.",
-        epilog="Exit codes: 0 done, 1 comparison falls short, 2 input at fault, 3 numerics failed.",
-    )
-    parser.add_argument("--version", action="version", version=f"fd2fem {__version__}")
-    commands = parser.add_subparsers(dest="verb", metavar="COMMAND", required=True)
-
-    def command(name: str, run: Command, text: str) -> argparse.ArgumentParser:
-        sub = commands.add_parser(name, help=text, description=text, parents=[common])
-        sub.set_defaults(command=run)
-        return sub
-
-    demo = command("demo", _demo, "the whole chain on a scan that the package simulates")
-    demo.add_argument("-o", "--output", type=Path, default=Path("fd2fem-demo"), metavar="DIR")
-    _simulation_arguments(demo)
-    demo.add_argument("--facade", default="building1", help="drawing to scan (default building1)")
-
-    run = command("run", _run, "from a scan to a verdict")
-    _scan_arguments(run)
-    run.add_argument("--reference", metavar="REF", help="measured drawing to compare with")
-
-    rebuild = command("reconstruct", _reconstruct, "a scan to facade.json")
-    _scan_arguments(rebuild)
-
-    solid = command("solid", _solid, "a facade to STEP, ANSYS neutral file and APDL deck")
-    _facade_arguments(solid, "FACADE")
-
-    mesh = command("mesh", _mesh, "a facade or STEP solid to a mesh; format by suffix")
-    mesh.add_argument("facade", metavar="FACADE|STEP")
-    mesh.add_argument("-o", "--output", type=Path, required=True, metavar="FILE")
-    mesh.add_argument("--config", type=Path, metavar="C.toml")
-
-    analysis = command("analyse", _analyse, "settlement analysis of a facade or a mesh")
-    _facade_arguments(analysis, "FACADE|MESH")
-
-    compare = command("compare", _compare, "a candidate against a reference: facades or analysed folders")
-    compare.add_argument("candidate", metavar="CANDIDATE")
-    compare.add_argument("reference", metavar="REFERENCE")
-    compare.add_argument("--tolerance", type=float, metavar="SHARE", help="default 0.05")
-    compare.add_argument("-o", "--output", type=Path, metavar="DIR")
-    compare.add_argument("--config", type=Path, metavar="C.toml")
-
-    scan = command("scan", _scan, "scan a facade virtually, for planning and tests")
-    scan.add_argument("facade", metavar="FACADE", help="a drawing, or building1, building2, building3")
-    scan.add_argument("-o", "--output", type=Path, required=True, metavar="SCAN", help=".laz or .las")
-    _simulation_arguments(scan)
-    return parser
-
-
-def _scan_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("scans", type=Path, nargs="+", metavar="SCAN")
-    parser.add_argument(
-        "--scanner",
-        type=_position,
-        action="append",
-        default=[],
-        metavar="X,Y,Z",
-        help="position of the scanner, world coordinates in m; repeat for several stations",
-    )
-    parser.add_argument(
-        "--units", choices=["auto", "m", "mm"], default="auto", help="of the scan (default auto)"
-    )
-    parser.add_argument("--config", type=Path, metavar="C.toml")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
-
-
-def _facade_arguments(parser: argparse.ArgumentParser, name: str) -> None:
-    parser.add_argument("facade", metavar=name)
-    parser.add_argument("--config", type=Path, metavar="C.toml")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
-
-
-def _simulation_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--density",
-        choices=["NS00", "S20", "S50", "S75"],
-        default="NS00",
-        help="original scan, or re-sampled to 20, 50 or 75 mm (default NS00)",
-    )
-    parser.add_argument("--clean", action="store_true", help="the wall alone: no street, rooms or glass")
-    parser.add_argument(
-        "--station",
-        type=_position,
-        action="append",
-        default=[],
-        metavar="X,Y,Z",
-        help="scanner's position in the facade frame, m (y < 0 is outside); repeat for several",
-    )
-    parser.add_argument("--step", type=float, metavar="DEG", help="angular step of the scanner, degrees")
-    parser.add_argument(
-        "--noise", type=float, default=0.002, metavar="M", help="range noise, 1 sigma (default 0.002)"
-    )
-    parser.add_argument("--seed", type=int, default=0)
-
-
-def _position(text: str) -> tuple[float, float, float]:
-    try:
-        x, y, z = (float(part) for part in text.split(","))
-    except ValueError as error:
-        msg = f"expected X,Y,Z, got {text!r}"
-        raise argparse.ArgumentTypeError(msg) from error
-    return x, y, z
+def _diagnose(error: Exception) -> tuple[str, int]:
+    """What to tell the user of an error, and the exit code."""
+    if isinstance(error, Fd2femError):
+        return str(error), AT_FAULT if isinstance(error, InputError) else FAILED
+    if isinstance(error, ImportError):
+        text = f"a library did not load ({error}); on Debian and Ubuntu: apt-get install {SYSTEM_LIBRARIES}"
+        return text, FAILED
+    if isinstance(error, MemoryError):
+        return "out of memory: thin the scan or take larger elements", FAILED
+    if isinstance(error, OSError):
+        return str(error), AT_FAULT
+    return f"internal error ({type(error).__name__}: {error}); run again with --debug and report it", FAILED
 
 
 def _progress(args: argparse.Namespace) -> Callable[[str], None]:
@@ -398,3 +271,15 @@ def _scan(args: argparse.Namespace) -> tuple[int, Summary]:
         write_las(cloud, path)
     _progress(args)(f"{len(cloud):,} points in {args.output}")
     return DONE, {"output": str(args.output), "points": len(cloud), "scanners": cloud.scanners.tolist()}
+
+
+COMMANDS: dict[str, Command] = {
+    "demo": _demo,
+    "run": _run,
+    "reconstruct": _reconstruct,
+    "solid": _solid,
+    "mesh": _mesh,
+    "analyse": _analyse,
+    "compare": _compare,
+    "scan": _scan,
+}

@@ -82,7 +82,7 @@ def test_every_picture_shows_something(compared, name):
     # Axes, ticks and text are grey: a picture that shows no data has no colour in it.
     coloured = pixels[np.ptp(pixels, axis=1) > 25]
     assert len(coloured) > 0.004 * len(pixels)
-    assert len(np.unique(coloured, axis=0)) > 5
+    assert len(np.unique(pixels, axis=0)) > 20
     assert (pixels == 255).all(axis=1).mean() > 0.1
 
 
