@@ -24,7 +24,8 @@ ALLOWED = {
 }
 ALLOWED["fd2fem.config"] = RECORDS | {f"fd2fem.{stage}" for stage in STAGES} | {"solvers", "validation"}
 ALLOWED["fd2fem.pipeline"] = ALLOWED["fd2fem.config"] | {"fd2fem.config", "fd2fem.output"}
-ALLOWED["fd2fem.cli"] = ALLOWED["fd2fem.pipeline"] | {"fd2fem.pipeline", "fd2fem"}  # fd2fem: the version
+ALLOWED["fd2fem.arguments"] = {"fd2fem.errors", "fd2fem"}  # fd2fem: the version
+ALLOWED["fd2fem.cli"] = ALLOWED["fd2fem.pipeline"] | {"fd2fem.pipeline", "fd2fem.arguments", "fd2fem"}
 ALLOWED["fd2fem.__main__"] = {"fd2fem.cli"}
 
 HEAVY = (
@@ -48,7 +49,9 @@ def _layer(module):
     """The longest prefix of a module's name that is a layer: fd2fem.scans.las is of fd2fem.scans."""
     parts = module.split(".")
     names = [".".join(parts[:size]) for size in range(len(parts), 0, -1)]
-    return next(name for name in names if name in ALLOWED and (name != "fd2fem" or module == "fd2fem"))
+    found = [name for name in names if name in ALLOWED and (name != "fd2fem" or module == "fd2fem")]
+    assert found, f"{module} belongs to no layer: give it one in ALLOWED"
+    return found[0]
 
 
 def _imports(source, module, *, is_package):

@@ -7,7 +7,7 @@ out. An opening is a door where its layer's name contains "door" or it stands on
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from fd2fem.drawings.placing import DEFAULT_THICKNESS, DrawnShape, place_facade
 from fd2fem.errors import InputError
-from fd2fem.model import Facade, OpeningKind
+from fd2fem.model import Facade, OpeningKind, number_by_rows
 
 if TYPE_CHECKING:
     import shapely
@@ -73,14 +73,15 @@ def facade_from_dxf(path: Path, *, thickness: float | None = None) -> Facade:
     wall = max(named or polygons, key=lambda polygon: float(polygon.shape.area))
     low = wall.shape.bounds[1]
     shapes = [_drawn(polygon, low) for polygon in _inside(wall, polygons)]
-    return place_facade(
+    facade = place_facade(
         np.array(wall.shape.exterior.coords),
-        _by_rows(shapes),
+        shapes,
         source=str(path),
         thickness=DEFAULT_THICKNESS if thickness is None else thickness,
         frame=None,
         record={"source": path.name},
     )
+    return replace(facade, openings=number_by_rows(facade.openings))
 
 
 def _read(path: Path) -> Any:
@@ -157,17 +158,3 @@ def _drawn(polygon: _Polygon, low: float) -> DrawnShape:
     outline[np.abs(outline[:, 1] - low) < SNAP, 1] = low
     is_door = polygon.on(DOOR_LAYERS) or bool(outline[:, 1].min() == low)
     return DrawnShape(outline, OpeningKind.DOOR if is_door else OpeningKind.WINDOW)
-
-
-def _by_rows(shapes: Sequence[DrawnShape]) -> list[DrawnShape]:
-    """Sort by rows from the ground, left to right; a row ends where the lowest top in it is passed."""
-    rows: list[list[DrawnShape]] = []
-    top = -np.inf
-    for shape in sorted(shapes, key=lambda s: float(s.outline[:, 1].min())):
-        z = shape.outline[:, 1]
-        if z.min() >= top:
-            rows.append([])
-            top = np.inf
-        rows[-1].append(shape)
-        top = min(top, z.max())
-    return [shape for row in rows for shape in sorted(row, key=lambda s: float(s.outline[:, 0].min()))]

@@ -74,7 +74,9 @@ def signed_area(ring: ArrayLike) -> float:
     >>> signed_area([[0, 0], [2, 0], [2, 1], [0, 1]])
     2.0
     """
-    x, z = np.asarray(ring, dtype=np.float64).T
+    corners = np.asarray(ring, dtype=np.float64)
+    # About its first corner: far from the origin, the products would lose digits.
+    x, z = (corners - corners[0]).T
     return float(0.5 * np.sum(x * np.roll(z, -1) - np.roll(x, -1) * z))
 
 

@@ -17,8 +17,6 @@ __all__ = ["EdgeSigma", "Facade", "FilledHole", "Opening", "OpeningKind", "numbe
 
 TOUCH = 1e-6
 """Two edges closer than this, m, are taken to touch."""
-ROW_GAP = 0.1
-"""Sills that follow one another so closely, m, make a row of openings."""
 
 
 class OpeningKind(StrEnum):
@@ -107,20 +105,23 @@ class Opening:
 def number_by_rows(openings: Iterable[Opening]) -> tuple[Opening, ...]:
     """Number openings from 1: row by row from the ground, in a row from left to right.
 
+    A row ends where an opening starts above the lowest head in it.
+
     Examples
     --------
-    >>> boxes = [rectangle(3, 1.02, 1, 1), rectangle(1, 4, 1, 1), rectangle(1, 1, 1, 1)]
+    >>> boxes = [rectangle(3, 1.5, 1, 1), rectangle(1, 4, 1, 1), rectangle(1, 1, 1, 1)]
     >>> numbered = number_by_rows(Opening(0, OpeningKind.WINDOW, box) for box in boxes)
     >>> [(opening.id, opening.x, opening.z) for opening in numbered]
-    [(1, 1.0, 1.0), (2, 3.0, 1.02), (3, 1.0, 4.0)]
+    [(1, 1.0, 1.0), (2, 3.0, 1.5), (3, 1.0, 4.0)]
     """
-    by_sill = sorted(openings, key=lambda opening: opening.z)
     rows: list[list[Opening]] = []
-    for opening in by_sill:
-        if rows and opening.z - rows[-1][-1].z <= ROW_GAP:
-            rows[-1].append(opening)
-        else:
-            rows.append([opening])
+    head = -np.inf
+    for opening in sorted(openings, key=lambda opening: opening.z):
+        if opening.z >= head:
+            rows.append([])
+            head = np.inf
+        rows[-1].append(opening)
+        head = min(head, opening.z + opening.height)
     ordered = [opening for row in rows for opening in sorted(row, key=lambda opening: opening.x)]
     return tuple(replace(opening, id=number) for number, opening in enumerate(ordered, start=1))
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum, StrEnum
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -131,6 +132,7 @@ class Hole:
     def __post_init__(self) -> None:
         object.__setattr__(self, "loop", as_ring("loop", self.loop))
         object.__setattr__(self, "points", as_array("points", self.points, (None,), dtype=np.intp))
+        object.__setattr__(self, "evidence", MappingProxyType(dict(self.evidence)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,6 +24,10 @@ OUTSIDE = -1
 """Cluster number of the long triangles that lie along the border of the triangulation."""
 TYPICAL = 4.0
 """The threshold in median edge lengths: under one edge in ten thousand of evenly random points is longer."""
+SPARSE = 0.28
+"""Points whose median distance is a larger share of the smallest opening do not show it."""
+MISSED = 0.08
+"""Gaps too small for an opening may cover so much of the wall; random points thin out to this."""
 PASSAGE = 0.75
 """Holes joined by a passage narrower than this share of the smallest opening are two holes."""
 
@@ -50,10 +54,10 @@ def length_threshold(edge_lengths: FloatArray, *, min_opening: float) -> float:
     0.16
     """
     median = float(np.median(edge_lengths))
-    if median > min_opening / 4:
+    if median > SPARSE * min_opening:
         msg = (
             f"The points lie {1000 * median:.0f} mm apart, too far to show openings of {min_opening} m: "
-            f"scan more densely, or set min_opening to {np.ceil(40 * median) / 10:.1f} m or more."
+            f"scan more densely, or set min_opening to {np.ceil(10 * median / SPARSE) / 10:.1f} m or more."
         )
         raise ReconstructionError(msg)
     return float(np.clip(TYPICAL * median, min_opening / 4, min_opening / 2))
@@ -99,6 +103,7 @@ def find_boundary(points: FacadePoints, *, options: ReconstructionOptions) -> Bo
         areas=_areas(points.xz[triangles[inner]]),
         widths=(threshold, passage),
     )
+    _check_gaps(points.xz, triangles[long], cluster, threshold, options)
     return Boundary(
         threshold=threshold,
         points=np.union1d(np.unique(triangles[long]), outer).astype(np.intp),
@@ -137,6 +142,26 @@ def _along_border(xz: FloatArray, triangles: IntArray, threshold: float) -> NDAr
     near_high = xz.max(axis=0) - corners < threshold
     along: NDArray[np.bool_] = (near_low.all(axis=1) | near_high.all(axis=1)).any(axis=1)
     return along
+
+
+def _check_gaps(
+    xz: FloatArray,
+    triangles: IntArray,
+    cluster: IntArray,
+    threshold: float,
+    options: ReconstructionOptions,
+) -> None:
+    """Raise if gaps between single points, rather than holes, make up much of the wall."""
+    inner = cluster >= 0
+    total = np.bincount(cluster[inner], _areas(xz[triangles[inner]]))
+    small = float(total[total < 0.5 * options.min_opening**2].sum())
+    share = small / float(np.ptp(xz, axis=0).prod())
+    if share > MISSED:
+        msg = (
+            f"{100 * share:.0f} % of the wall lies in gaps over {threshold:.3f} m wide, yet no openings: "
+            "scan more densely, or raise min_opening and threshold."
+        )
+        raise ReconstructionError(msg)
 
 
 def _areas(corners: FloatArray) -> FloatArray:

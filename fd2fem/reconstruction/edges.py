@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import gammaincinv
 
 __all__ = ["edge_position"]
 
@@ -12,7 +13,9 @@ STRAY_RUN = 6
 STRAY_GAP = 4.0
 """... that is, within so many times the distance that they would take there."""
 RIM = 0.15
-"""Random points are used so many spacings deep: re-sampling to a smallest distance crowds an edge."""
+"""Random points are used so many spacings deep."""
+CROWDED = 0.01
+"""Points are crowded when random ones would lie so close together with this probability."""
 
 
 def edge_position(
@@ -27,8 +30,8 @@ def edge_position(
     rows of a scan parallel to the edge. It varies by the scatter of a Poisson count, or by a twelfth of the
     square of the rows' distance, whichever is larger.
 
-    Points on the reveal pile up at the edge, and would push the mean outwards: the edge is never placed
-    further out than a row's distance from the outermost wall point.
+    Where a scan was re-sampled to a smallest distance, points crowd along its edges, and points on a reveal
+    pile up there: closer together than random points ever lie, they mark the edge themselves.
 
     Parameters
     ----------
@@ -63,6 +66,10 @@ def edge_position(
     distance = distance[_first_of_wall(distance, rate) :]
     count, row = _outermost(distance, rate, spacing)
     outermost = distance[:count]
+    run = float(outermost[-1] - outermost[0])
+    if not row and count > 2 and run * rate < gammaincinv(count - 1, CROWDED):
+        step = run / (count - 1)
+        return float(outermost[0]) - step, max(step, 0.5 / rate)
     estimate = float(np.mean(outermost - (np.arange(count) + 0.5) / rate))
     # The third point lies 3/rate from the edge in the mean, and hardly ever more than 8/rate.
     limit = float(outermost[min(2, count - 1)]) - max(row, 8.0 / rate)

@@ -189,7 +189,8 @@ def _spread(points: FloatArray, weight: FloatArray, near: NDArray[np.bool_], nor
         return 0.0
     flat = np.column_stack([points[near][:, :2] @ [-normal[1], normal[0]], points[near][:, 2]])
     part = _largest_part(flat)
-    return float(weight[near][part].sum() * shapely.MultiPoint(flat[part]).convex_hull.area)
+    hull = shapely.convex_hull(shapely.linestrings(flat[part]))
+    return float(weight[near][part].sum() * shapely.area(hull))
 
 
 def _scores(points: FloatArray, weight: FloatArray, normals: FloatArray, offsets: FloatArray) -> FloatArray:

@@ -69,12 +69,13 @@ def draw_scan(points: FacadePoints, path: Path) -> None:
     for axis, (across, up) in zip(axes, ((0, 2), (0, 1)), strict=True):
         for name, cloud, colour in kinds:
             shown = _some(cloud)
-            axis.plot(shown[:, across], shown[:, up], ",", color=colour, label=name, rasterized=True)
+            axis.plot(shown[:, across], shown[:, up], ",", color=colour, rasterized=True)
+            axis.plot([], [], "s", color=colour, label=name)
     axes[0].set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), title="from the front")
     scanners = points.scanners
     axes[1].plot(scanners[:, 0], scanners[:, 1], "k^", markersize=5, label="scanner")
     axes[1].set(xlim=(low[0] - 4, high[0] + 4), ylim=(-14, 6), title="from above", ylabel="y, m")
-    axes[1].legend(fontsize=7, markerscale=6, loc="lower right")
+    axes[1].legend(fontsize=7, loc="lower right")
     save(figure, path)
 
 

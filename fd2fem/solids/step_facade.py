@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fd2fem.errors import InputError
-from fd2fem.model import Facade, FacadeFrame, Opening, OpeningKind
+from fd2fem.model import Facade, FacadeFrame, Opening, OpeningKind, number_by_rows
 from fd2fem.model.checks import signed_area
 from fd2fem.solids.occ import read_shape
 
@@ -74,12 +74,12 @@ def facade_from_step(path: Path, *, thickness: float | None = None) -> Facade:
     outline, doors = _fill_doors(rings[0] - low)
     ratio = float(solid.Volume()) / (float(front.Area()) * depth)
     _check_wall(path, depth, float(np.ptp(outline[:, 1])), ratio)
-    openings = [(OpeningKind.DOOR, door) for door in doors]
-    openings += [(OpeningKind.WINDOW, _corners(shapely.Polygon(ring - low))) for ring in rings[1:]]
+    openings = [Opening(0, OpeningKind.DOOR, door) for door in doors]
+    openings += [Opening(0, OpeningKind.WINDOW, _corners(shapely.Polygon(ring - low))) for ring in rings[1:]]
     return Facade(
         outline=outline,
         thickness=depth if thickness is None else thickness,
-        openings=_numbered(openings),
+        openings=number_by_rows(openings),
         frame=frame.moved(low[0], low[1]),
         record={"source": path.name, "volume_over_front_times_thickness": ratio},
     )
@@ -201,15 +201,3 @@ def _check_wall(path: Path, depth: float, height: float, ratio: float) -> None:
             "draw it as a plane wall of one thickness"
         )
         raise _not_a_facade(path, reason)
-
-
-def _numbered(openings: list[tuple[OpeningKind, FloatArray]]) -> tuple[Opening, ...]:
-    """Openings by rows from the ground, left to right; lower edges within 10 cm are a row."""
-    openings = sorted(openings, key=lambda item: float(item[1][:, 1].min()))
-    heights = np.array([outline[:, 1].min() for _, outline in openings])
-    rows = np.cumsum(np.diff(heights, prepend=0.0) > 0.1)
-    order = sorted(range(len(openings)), key=lambda i: (rows[i], openings[i][1][:, 0].min()))
-    return tuple(
-        Opening(id=number, kind=openings[i][0], outline=openings[i][1])
-        for number, i in enumerate(order, start=1)
-    )

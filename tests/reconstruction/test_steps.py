@@ -122,8 +122,9 @@ def test_kinds_and_numbering():
     )
     found = reconstruct(cleaned_cloud(truth, 0.025)).facade
     assert [o.id for o in found.openings] == [1, 2, 3, 4]
-    assert [o.kind for o in found.openings] == [OpeningKind.DOOR, *[OpeningKind.WINDOW] * 3]
-    assert [round(o.x, 1) for o in found.openings] == [3.5, 1.0, 1.0, 3.5]
+    kinds = [OpeningKind.WINDOW, OpeningKind.DOOR, OpeningKind.WINDOW, OpeningKind.WINDOW]
+    assert [o.kind for o in found.openings] == kinds
+    assert [round(o.x, 1) for o in found.openings] == [1.0, 3.5, 1.0, 3.5]
 
 
 def test_occlusion_is_filled_with_its_reason():

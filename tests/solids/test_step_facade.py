@@ -13,8 +13,8 @@ HOUSE = Facade(
     0.35,
     (
         Opening(1, DOOR, rectangle(1.1, 0, 1.0, 2.2)),
-        Opening(2, DOOR, rectangle(5.0, 0, 1.2, 2.1)),
-        Opening(3, WINDOW, rectangle(3.0, 0.9, 1.3, 1.4)),
+        Opening(2, WINDOW, rectangle(3.0, 0.9, 1.3, 1.4)),
+        Opening(3, DOOR, rectangle(5.0, 0, 1.2, 2.1)),
         Opening(4, WINDOW, rectangle(0.8, 3.5, 1.0, 1.5)),
         Opening(5, WINDOW, rectangle(4.9, 3.6, 1.0, 1.5)),
     ),
