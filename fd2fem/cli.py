@@ -6,12 +6,17 @@ fault. 3: the numerics failed. Progress goes to stderr, results to files, ``--js
 
 import argparse
 import json
+import re
+import signal
 import sys
+import threading
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import FrameType
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from fd2fem.arguments import AT_FAULT, build_parser
 from fd2fem.errors import SYSTEM_LIBRARIES, Fd2femError, InputError
@@ -22,7 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
-DONE, SHORT, FAILED, STOPPED = 0, 1, 3, 130
+DONE, SHORT, FAILED, SIGNALLED = 0, 1, 3, 128
 
 Summary = dict[str, Any]
 Command = Callable[[argparse.Namespace], tuple[int, Summary]]
@@ -38,10 +43,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     args = build_parser().parse_args(argv)
     try:
-        code, summary = COMMANDS[args.verb](args)
-    except KeyboardInterrupt:
+        with _stoppable():
+            code, summary = COMMANDS[args.verb](args)
+        if args.json:
+            sys.stdout.write(json.dumps(summary, indent=1) + "\n")
+            sys.stdout.flush()
+    except KeyboardInterrupt as stop:
         sys.stderr.write("fd2fem: stopped\n")
-        return STOPPED
+        return SIGNALLED + (stop.args[0] if stop.args else signal.SIGINT)
     except Exception as error:  # noqa: BLE001  a user must never meet a traceback unasked
         text, code = _diagnose(error)
         if args.debug:
@@ -49,22 +58,41 @@ def main(argv: Sequence[str] | None = None) -> int:
         else:
             sys.stderr.write(f"fd2fem: {' '.join(text.split())}\n")
         return code
-    if args.json:
-        sys.stdout.write(json.dumps(summary, indent=1) + "\n")
     return code
+
+
+@contextmanager
+def _stoppable() -> Iterator[None]:
+    """Let the signals that end a process end it as Ctrl-C does, so that nothing is left behind."""
+
+    def stop(number: int, _: FrameType | None) -> NoReturn:
+        raise KeyboardInterrupt(number)
+
+    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    if threading.current_thread() is not threading.main_thread():
+        names = []
+    before = {name: signal.signal(getattr(signal, name), stop) for name in names}
+    try:
+        yield
+    finally:
+        for name, handler in before.items():
+            signal.signal(getattr(signal, name), handler)
 
 
 def _diagnose(error: Exception) -> tuple[str, int]:
     """What to tell the user of an error, and the exit code."""
     if isinstance(error, Fd2femError):
-        return str(error), AT_FAULT if isinstance(error, InputError) else FAILED
-    if isinstance(error, ImportError):
+        # The user knows nothing of the folder that results are made in.
+        text = re.sub(r"[^\s']*[\\/]\.fd2fem-\w+[\\/]", "", str(error))
+        return text, AT_FAULT if isinstance(error, InputError) else FAILED
+    if isinstance(error, ImportError) and ("shared object" in str(error) or "DLL" in str(error)):
         text = f"a library did not load ({error}); on Debian and Ubuntu: apt-get install {SYSTEM_LIBRARIES}"
         return text, FAILED
     if isinstance(error, MemoryError):
         return "out of memory: thin the scan or take larger elements", FAILED
     if isinstance(error, OSError):
-        return str(error), AT_FAULT
+        where = f" {error.filename}" if error.filename and ".fd2fem-" not in str(error.filename) else ""
+        return f"cannot read or write{where}: {error.strerror or error}", AT_FAULT
     return f"internal error ({type(error).__name__}: {error}); run again with --debug and report it", FAILED
 
 
@@ -132,12 +160,11 @@ def _run_summary(result: RunResult, folder: Path) -> Summary:
 
 def _verdict(args: argparse.Namespace, comparison: Comparison) -> int:
     """Say how a comparison ended, and give its exit code."""
-    say = _progress(args)
     if comparison.passed:
-        say(f"within {100 * comparison.tolerance:g} % of the reference")
+        _progress(args)(f"within {100 * comparison.tolerance:g} % of the reference")
         return DONE
     for reason in comparison.reasons:
-        say(f"falls short: {reason}")
+        sys.stderr.write(f"fd2fem: falls short: {reason}\n")
     return SHORT
 
 
@@ -154,15 +181,16 @@ def _run_chain(
             make_cloud(), folder, reference=reference, options=options, progress=_progress(args)
         )
         summary = _run_summary(result, args.output)
-    _warn(args, result.reconstruction.facade)
+    _warn(result.reconstruction.facade)
     _progress(args)(f"results in {args.output}; look at {args.output / 'report.html'}")
     code = _verdict(args, result.comparison) if result.comparison is not None else DONE
     return code, summary
 
 
-def _warn(args: argparse.Namespace, facade: Facade) -> None:
+def _warn(facade: Facade) -> None:
+    """What the user must know even when progress is not wanted."""
     for warning in facade.record.get("warnings", ()):
-        _progress(args)(f"warning: {warning}")
+        sys.stderr.write(f"fd2fem: warning: {warning}\n")
 
 
 def _demo(args: argparse.Namespace) -> tuple[int, Summary]:
@@ -177,7 +205,7 @@ def _demo(args: argparse.Namespace) -> tuple[int, Summary]:
 def _run(args: argparse.Namespace) -> tuple[int, Summary]:
     from fd2fem import pipeline
 
-    reference = pipeline.load_facade(args.reference) if args.reference else None
+    reference = pipeline.load_facade(args.reference) if args.reference is not None else None
     return _run_chain(args, lambda: _cloud(args), reference)
 
 
@@ -191,7 +219,7 @@ def _reconstruct(args: argparse.Namespace) -> tuple[int, Summary]:
     with staged_folder(args.output, expected=["facade.json"], force=args.force) as folder:
         facade = reconstruct(_cloud(args), options=options).facade
         write_facade(facade, folder / "facade.json")
-    _warn(args, facade)
+    _warn(facade)
     summary = facade_summary(facade)
     _progress(args)(
         f"{facade.length:.3f} x {facade.height:.3f} m, {len(facade.openings)} openings of "
@@ -209,6 +237,7 @@ def _solid(args: argparse.Namespace) -> tuple[int, Summary]:
     with staged_folder(args.output, expected=["facade.step"], force=args.force) as folder:
         voxels = pipeline.facade_voxels(pipeline.load_facade(args.facade), options=options)
         report = write_solid(voxels, folder, options=options.solid)
+    _progress(args)(f"{report.volumes:,} volumes of {report.volume:.4f} m³, in {args.output}")
     return DONE, {"output": str(args.output), "solid": asdict(report)}
 
 
@@ -266,6 +295,9 @@ def _scan(args: argparse.Namespace) -> tuple[int, Summary]:
     from fd2fem.output import staged_file
     from fd2fem.scans import write_las
 
+    if args.output.suffix.lower() not in {".las", ".laz"}:
+        msg = f"{args.output} must end in .las or .laz."
+        raise InputError(msg)
     with staged_file(args.output, force=args.force) as path:
         cloud = _simulate(args, pipeline.load_facade(args.facade))
         write_las(cloud, path)

@@ -39,7 +39,7 @@ from fd2fem.scans import (
 )
 from fd2fem.solids import facade_from_step, write_solid
 from solvers import analyse, read_response, write_response
-from validation import compare_facades, compare_responses, judge, write_comparison
+from validation import NoCommonWallError, compare_facades, compare_responses, judge, write_comparison
 
 __all__ = [
     "analyse_file",
@@ -78,6 +78,9 @@ def load_facade(name: str) -> Facade:
     InputError
         If there is no such file, or it is not a facade.
     """
+    if not name:
+        msg = "The name of a facade is empty; give a file, or building1, building2 or building3."
+        raise InputError(msg)
     path = Path(name)
     if name in STAND_INS:
         return stand_in(name)
@@ -159,9 +162,15 @@ def compare_models(candidate: Model, reference: Model, *, options: PipelineOptio
             level=options.comparison.level,
         )
     if candidate.response is not None and reference.response is not None:
-        quantities = compare_responses(
-            candidate.response, reference.response, tolerance=options.comparison.tolerance
-        )
+        try:
+            quantities = compare_responses(
+                candidate.response, reference.response, tolerance=options.comparison.tolerance
+            )
+        except NoCommonWallError as error:
+            if geometry is None:
+                raise
+            # The facades do not match: that is a verdict, not a mistake of the user's.
+            return replace(geometry, passed=False, reasons=(*geometry.reasons, str(error).rstrip(".")))
     if geometry is None and not quantities:
         msg = "Nothing to compare: give two facades, or two analysed folders."
         raise InputError(msg)

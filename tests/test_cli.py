@@ -1,6 +1,8 @@
 import json
+import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import laspy
 import meshio
@@ -305,3 +307,48 @@ def test_several_scans_are_joined(tmp_path):
 def test_facade_file_of_a_record_round_trips(tmp_path):
     write_facade(HOUSE, tmp_path / "facade.json")
     assert call("compare", tmp_path, tmp_path / "facade.json", "--tolerance", 1e-9) == 0
+
+
+def test_reference_of_another_building_is_a_verdict_not_a_mistake(scan, tmp_path, capsys):
+    other = tmp_path / "other.toml"
+    other.write_text(DRAWING.replace("length = 5.0", "length = 14.0").replace("height = 6.0", "height = 9.0"))
+    assert call("run", scan, "--reference", other, "-o", tmp_path / "out", "--quiet") == 1
+    assert "length is" in capsys.readouterr().err
+    comparison = json.loads((tmp_path / "out" / "comparison.json").read_text())
+    assert comparison["passed"] is False
+    assert any("of the reference's volume" in reason for reason in comparison["reasons"])
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="Windows ends processes without a signal")
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_stopped_run_leaves_nothing(number, scan, tmp_path):
+    command = [sys.executable, "-m", "fd2fem", "run", str(scan), "-o", str(tmp_path / "out")]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        for line in process.stderr:
+            if "reconstructing" in line:
+                process.send_signal(number)
+                break
+        rest = process.stderr.read()
+    assert process.returncode == 128 + number
+    assert rest.endswith("fd2fem: stopped\n")
+    assert everything(tmp_path) == []
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux has a device that is always full")
+def test_full_stdout_is_an_error_in_one_line(drawing):
+    command = [sys.executable, "-m", "fd2fem", "compare", str(drawing), str(drawing), "--json", "--quiet"]
+    with Path("/dev/full").open("w") as sink:
+        answer = subprocess.run(command, stdout=sink, stderr=subprocess.PIPE, text=True, check=False)
+    assert answer.returncode == 2
+    assert answer.stderr.startswith("fd2fem: ")
+
+
+def test_empty_reference_is_not_ignored(scan, tmp_path, capsys):
+    assert call("run", scan, "--reference", "", "-o", tmp_path / "out", "--quiet") == 2
+    assert "empty" in capsys.readouterr().err
+
+
+def test_stdout_stays_clean_of_other_programs(tmp_path, capfd):
+    (tmp_path / "text.step").write_text("not a solid")
+    assert call("mesh", tmp_path / "text.step", "-o", tmp_path / "m.msh", "--quiet") == 2
+    assert capfd.readouterr().out == ""

@@ -18,13 +18,19 @@ from validation.intervals import (
     t_interval_from_moments,
 )
 from validation.response import compare_responses
-from validation.sampling import CommonDisplacements, common_displacements, without_rigid_motion
+from validation.sampling import (
+    CommonDisplacements,
+    NoCommonWallError,
+    common_displacements,
+    without_rigid_motion,
+)
 from validation.verdict import comparison_to_dict, judge, write_comparison
 
 __all__ = [
     "CommonDisplacements",
     "ComparisonOptions",
     "ConfidenceInterval",
+    "NoCommonWallError",
     "OpeningMatches",
     "common_displacements",
     "compare_facades",

@@ -13,7 +13,13 @@ from fd2fem.errors import InputError
 from fd2fem.model import ElementKind, Response, VolumeMesh
 from fd2fem.model.checks import as_array, as_points
 
-__all__ = ["CommonDisplacements", "common_displacements", "interpolate", "without_rigid_motion"]
+__all__ = [
+    "CommonDisplacements",
+    "NoCommonWallError",
+    "common_displacements",
+    "interpolate",
+    "without_rigid_motion",
+]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -66,6 +72,10 @@ class CommonDisplacements:
             object.__setattr__(self, name, as_array(name, getattr(self, name), (n, 3)))
 
 
+class NoCommonWallError(InputError):
+    """Too little of one model lies where the other is for their fields to be compared."""
+
+
 def common_displacements(candidate: Response, reference: Response) -> CommonDisplacements:
     """Evaluate both displacement fields at the reference's element centres that lie in the candidate.
 
@@ -73,9 +83,10 @@ def common_displacements(candidate: Response, reference: Response) -> CommonDisp
 
     Raises
     ------
+    NoCommonWallError
+        If less than half of the reference's volume lies inside the candidate.
     InputError
-        If less than half of the reference's volume lies inside the candidate, or one of the reference's
-        elements is folded.
+        If one of the reference's elements is folded.
     """
     points, weights, expected = _at_centres(reference)
     found, inside = interpolate(candidate.mesh, candidate.displacement, points)
@@ -85,7 +96,7 @@ def common_displacements(candidate: Response, reference: Response) -> CommonDisp
             f"Only {100.0 * share:.0f} % of the reference's volume lies inside the candidate: "
             "check that both are in metres and show the same facade."
         )
-        raise InputError(msg)
+        raise NoCommonWallError(msg)
     return CommonDisplacements(points[inside], weights[inside], found, expected[inside], share)
 
 

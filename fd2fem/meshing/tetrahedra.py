@@ -75,6 +75,10 @@ def mesh_step(path: Path, *, options: MeshOptions = DEFAULT_OPTIONS) -> VolumeMe
 
 def _import_solid(gmsh: ModuleType, path: Path) -> None:
     """Load the solids of a STEP file and let those that touch share their faces."""
+    # OpenCASCADE writes to stdout about anything else.
+    if not path.is_file() or b"ISO-10303-21" not in path.read_bytes()[:4096]:
+        msg = f"{path} is not a STEP file; give one that a CAD program exported."
+        raise InputError(msg)
     try:
         gmsh.model.occ.importShapes(str(path), format="step")
     except Exception as error:  # gmsh raises nothing more specific

@@ -75,6 +75,8 @@ class FacadePoints:
         Level of the pavement at the wall's foot; ``None`` where the scan does not show it.
     outside_by : str
         What told the outside from the inside.
+    warnings : tuple of str
+        What the user should know of the choice of the wall.
     """
 
     xz: NDArray[np.float64]
@@ -87,6 +89,7 @@ class FacadePoints:
     spacing: float
     ground: float | None
     outside_by: str
+    warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "xz", as_points("xz", self.xz, dim=2))

@@ -1,78 +1,43 @@
-"""The facade's plane in a raw scan, and which points lie on it.
+"""The facade's plane in a raw scan, its frame, and which points lie on it."""
 
-The search tries vertical planes through pairs of points that stand above others, so that the pavement makes
-no proposals. The points are thinned to cells first, and a cell counts with the square root of its points:
-less than by points, for these crowd near the scanner, but more than by area, for glass returns few of its
-rays and must not outweigh the wall around it. The plane that comes out is refined by least squares.
-"""
+from dataclasses import replace
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
-from scipy import ndimage
 from scipy.spatial import cKDTree
 
-from fd2fem.errors import ReconstructionError
+from fd2fem.errors import InputError, ReconstructionError
 from fd2fem.model import FacadeFrame, FacadePoints, PointCloud
 from fd2fem.reconstruction.options import ReconstructionOptions
+from fd2fem.reconstruction.wall_search import (
+    MIN_POINTS,
+    MIN_WALL,
+    NEAR_PLANE,
+    PLAN_CELL,
+    THINNING,
+    face_before,
+    largest_part,
+    occupied_cells,
+    refine_plane,
+    search_plane,
+    thin_points,
+)
 
-__all__ = ["NOTHING_TELLS", "find_facade", "point_spacing", "thin_points"]
+__all__ = ["NOTHING_TELLS", "find_facade", "point_spacing"]
 
 FloatArray = NDArray[np.float64]
 
-THINNING = 0.05
-"""Edge of the cells that stand for the points in the search, m."""
-PLAN_CELL = 0.10
-"""Edge of the plan grid, m."""
-UPRIGHT = 3
-"""A plan cell with points at so many heights belongs to something that stands."""
-HYPOTHESES = 1500
-"""Pairs of points tried; with a tenth of the points on the wall, fifteen pairs lie on it."""
-SAMPLE = 15_000
-"""Cells that the hypotheses are scored on."""
-NEAR_PLANE = 0.03
-"""Distance from the plane, m, at which a point stops to speak for it."""
-IN_FRONT = 0.5
-"""A parallel plane up to so far before the best one, m, with half of its points, is the wall's face."""
-MAX_LEAN = np.radians(10.0)
-"""A plane that leans more is not a wall."""
-GAP = 0.5
-"""Parts of a wall further apart than this belong to different walls, m."""
-MIN_WALL = 1.0
-"""Smallest length and height of a wall, m."""
-MIN_POINTS = 30
-"""Fewest points that show a wall, or the pavement before it."""
+RIVAL = 0.5
+"""Another wall that spans a larger share of the chosen one's is worth a word."""
+STEP_BACK = 0.4
+"""A wall may go on so far out of its plane, m."""
+FARTHEST = 500.0
+"""No terrestrial scanner stands farther from the wall, m."""
 DUPLICATE = 1e-4
 """Points on the wall closer than this are one, m: a triangulation cannot use them apart."""
 NOTHING_TELLS = "nothing in the scan: y points as in a drawing"
 NEAR_ORIGIN = 500.0
 """A wall nearer to the world's origin was probably scanned from there, m."""
-
-
-def thin_points(points: FloatArray, cell: float) -> NDArray[np.intp]:
-    """Indices of one point in each occupied cell of a cubic grid.
-
-    Parameters
-    ----------
-    points : (n, d) float array, m
-    cell : float, m
-
-    Examples
-    --------
-    >>> thin_points(np.array([[0.0, 0.0], [0.1, 0.1], [1.5, 0.0]]), 1.0).tolist()
-    [0, 2]
-    """
-    return np.sort(_cells(points, cell)[0])
-
-
-def _cells(points: FloatArray, cell: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Index of the first point in each occupied cell, and how many points each holds."""
-    cells = np.floor((points - points.min(axis=0)) / cell).astype(np.int64)
-    key = np.zeros(len(cells), dtype=np.int64)
-    for axis in range(cells.shape[1]):
-        key = key * (int(cells[:, axis].max()) + 1) + cells[:, axis]
-    _, first, count = np.unique(key, return_index=True, return_counts=True)
-    return first, count
 
 
 def point_spacing(xz: FloatArray) -> float:
@@ -110,19 +75,63 @@ def find_facade(cloud: PointCloud, *, options: ReconstructionOptions) -> FacadeP
     """
     centre = np.median(cloud.points, axis=0)
     points = cloud.points - centre
-    first, count = _cells(points, THINNING)
+    scanners = cloud.scanners - centre
+    first, count = occupied_cells(points, THINNING)
     thin, weight = points[first], np.sqrt(count)
-    on_plane, normal = _refine_plane(thin, weight, *_search_plane(thin, weight, options.seed))
+    on_plane, normal, rival = search_plane(thin, count, scanners, options.seed)
+    on_plane, normal = refine_plane(thin, weight, on_plane, normal)
     depth = (thin - on_plane) @ normal
     sign, outside_by = _inward_sign(thin, depth, normal, on_plane, centre)
-    if len(cloud.scanners):
-        toward = np.median((cloud.scanners - centre - on_plane) @ normal)
-        sign, outside_by = (-1.0 if toward > 0 else 1.0), "the scanner's position"
-    shift = _face_before(thin, weight, sign * depth, normal)
+    if len(scanners):
+        sign, outside_by = _away_from(scanners, on_plane, normal), "the scanner's position"
+    shift = face_before(thin, weight, sign * depth, normal)
     if shift:
-        on_plane, normal = _refine_plane(thin, weight, on_plane + sign * shift * normal, normal)
+        on_plane, normal = refine_plane(thin, weight, on_plane + sign * shift * normal, normal)
     frame = _settle(cloud.points, FacadeFrame(centre + on_plane, _axes(sign * normal)))
-    return _sort_points(cloud, frame, outside_by, options)
+    sorted_points = _sort_points(cloud, frame, outside_by, options)
+    return replace(sorted_points, warnings=_warnings(sorted_points, rival))
+
+
+def _away_from(scanners: FloatArray, on_plane: FloatArray, normal: FloatArray) -> float:
+    """+1 where the normal points away from the scanners, -1 where to them."""
+    distance = (scanners - on_plane) @ normal
+    if np.abs(distance).min() < 0.1 or np.abs(distance).max() > FARTHEST:
+        worst = np.abs(distance).max() if np.abs(distance).max() > FARTHEST else np.abs(distance).min()
+        msg = (
+            f"A scanner's position is {worst:.6g} m from the wall's plane, expected 0.1 to {FARTHEST:g} m: "
+            "give it in the coordinates of the scan."
+        )
+        raise InputError(msg)
+    if distance.min() < 0.0 < distance.max():
+        msg = "The scanners' positions lie on both sides of the wall: give only those outside."
+        raise InputError(msg)
+    return -1.0 if distance[0] > 0 else 1.0
+
+
+def _warnings(points: FacadePoints, rival: float) -> tuple[str, ...]:
+    """What may be wrong with the choice of the wall."""
+    warnings = []
+    if points.outside_by == NOTHING_TELLS:
+        warnings.append(
+            "Nothing in the scan tells the outside of the wall: if the facade comes out mirrored, "
+            "give the scanner's position."
+        )
+    if rival > RIVAL:
+        warnings.append(
+            f"Another wall spans {100 * rival:.0f} % as much as the one that was taken; if it is the one you "
+            "want, cut the scan to it or give the scanner's position before it."
+        )
+    (left, bottom), (right, top) = points.xz.min(axis=0), points.xz.max(axis=0)
+    for side in (points.front, points.behind):
+        beyond = side[(np.abs(side[:, 1]) < STEP_BACK) & (side[:, 0] > left) & (side[:, 0] < right)]
+        beyond = beyond[(beyond[:, 2] > top + 0.2) | (beyond[:, 2] < bottom - 0.2)]
+        area = len(thin_points(beyond[:, [0, 2]], 0.2)) * 0.2**2 if len(beyond) else 0.0
+        if area > 1.0:
+            warnings.append(
+                f"{area:.0f} m² of what may be the same wall go on above or below it, "
+                f"{np.median(beyond[:, 1]):+.2f} m out of its plane; they were left out."
+            )
+    return tuple(warnings)
 
 
 def _settle(points: FloatArray, frame: FacadeFrame) -> FacadeFrame:
@@ -135,7 +144,7 @@ def _settle(points: FloatArray, frame: FacadeFrame) -> FacadeFrame:
         near = np.flatnonzero(np.abs(local[:, 1]) < NEAR_PLANE)
         if len(near) < MIN_POINTS:
             break
-        wall = local[near[_largest_part(local[near][:, [0, 2]])]]
+        wall = local[near[largest_part(local[near][:, [0, 2]])]]
         middle = np.median(wall[:, 1])
         scatter = 1.4826 * float(np.median(np.abs(wall[:, 1] - middle)))
         wall = wall[np.abs(wall[:, 1] - middle) < max(3.0 * scatter, 1e-4)]
@@ -144,102 +153,6 @@ def _settle(points: FloatArray, frame: FacadeFrame) -> FacadeFrame:
         inward = (normal * np.sign(normal[1])) @ frame.axes
         frame = FacadeFrame(frame.to_world(on_plane[None])[0], _axes(inward))
     return frame
-
-
-def _search_plane(points: FloatArray, weight: FloatArray, seed: int) -> tuple[FloatArray, FloatArray]:
-    """A point and the normal of the vertical plane that most of the weight lies near."""
-    plan = np.floor((points[:, :2] - points[:, :2].min(axis=0)) / PLAN_CELL).astype(np.int64)
-    column = np.unique(plan[:, 0] * (plan[:, 1].max() + 1) + plan[:, 1], return_inverse=True)[1].ravel()
-    standing = np.flatnonzero(np.bincount(column)[column] >= UPRIGHT)
-    rng = np.random.default_rng(seed)
-    if len(standing) < MIN_POINTS:
-        msg = "No wall found: no points stand above others; check that z points up and the units are right."
-        raise ReconstructionError(msg)
-    first, second = points[rng.choice(standing, (2, HYPOTHESES))]
-    along = (second - first)[:, :2]
-    span = np.hypot(along[:, 0], along[:, 1])
-    usable = span > MIN_WALL / 2
-    if not usable.any():
-        msg = f"No wall found: what stands upright is less than {MIN_WALL} m long; check the units."
-        raise ReconstructionError(msg)
-    first, along, span = first[usable], along[usable], span[usable]
-    normals = np.column_stack([-along[:, 1], along[:, 0]]) / span[:, None]
-    offsets = np.einsum("ij,ij->i", normals, first[:, :2])
-    order = rng.permutation(standing)
-    # A tenth of the sample tells which hypotheses deserve the whole of it.
-    rough = _scores(points[order[: SAMPLE // 10]], weight[order[: SAMPLE // 10]], normals, offsets)
-    short = np.argsort(-rough, kind="stable")[: HYPOTHESES // 15]
-    where, worth = points[order[:SAMPLE]], weight[order[:SAMPLE]]
-    fine = _scores(where, worth, normals[short], offsets[short])
-    best, most = int(short[0]), 0.0
-    for number in short[np.argsort(-fine, kind="stable")].tolist():
-        distance = where[:, :2] @ normals[number] - offsets[number]
-        value = _spread(where, worth, np.abs(distance) < NEAR_PLANE, normals[number])
-        if value > most:
-            best, most = number, value
-    return first[best], np.append(normals[best], 0.0)
-
-
-def _spread(points: FloatArray, weight: FloatArray, near: NDArray[np.bool_], normal: FloatArray) -> float:
-    """Weight of the largest connected part of a plane, times the area that it spans with its openings.
-
-    By its points alone, a strip of a blank neighbour could outweigh a wall that is mostly windows.
-    """
-    if near.sum() < MIN_POINTS:
-        return 0.0
-    flat = np.column_stack([points[near][:, :2] @ [-normal[1], normal[0]], points[near][:, 2]])
-    part = _largest_part(flat)
-    hull = shapely.convex_hull(shapely.linestrings(flat[part]))
-    return float(weight[near][part].sum() * shapely.area(hull))
-
-
-def _scores(points: FloatArray, weight: FloatArray, normals: FloatArray, offsets: FloatArray) -> FloatArray:
-    """Weight near each vertical plane, less of it the farther from the plane (MSAC)."""
-    distance = normals[:, :1] * points[:, 0] + normals[:, 1:] * points[:, 1] - offsets[:, None]
-    near: FloatArray = np.maximum(0.0, 1.0 - (distance / NEAR_PLANE) ** 2)
-    score: FloatArray = np.einsum("ij,j->i", near, weight)
-    return score
-
-
-def _refine_plane(
-    points: FloatArray, weight: FloatArray, on_plane: FloatArray, normal: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """A point and the normal of the least-squares plane through the points near a first guess."""
-    for _ in range(8):
-        distance = (points - on_plane) @ normal
-        near = np.abs(distance) < NEAR_PLANE
-        if near.sum() < 3:
-            break
-        scatter = 1.4826 * np.median(np.abs(distance[near] - np.median(distance[near])))
-        near &= np.abs(distance - np.median(distance[near])) < max(4.0 * scatter, 0.1 * NEAR_PLANE)
-        chosen, share = points[near], weight[near] / weight[near].sum()
-        on_plane = share @ chosen
-        away = chosen - on_plane
-        candidate = np.linalg.eigh((away * share[:, None]).T @ away)[1][:, 0]
-        if abs(candidate[2]) > np.sin(MAX_LEAN):
-            msg = (
-                f"No wall found: the best plane leans by more than {np.degrees(MAX_LEAN):.0f} degrees; "
-                "check that z points up."
-            )
-            raise ReconstructionError(msg)
-        normal = candidate * np.sign(candidate @ normal)
-    return on_plane, normal
-
-
-def _face_before(points: FloatArray, weight: FloatArray, depth: FloatArray, normal: FloatArray) -> float:
-    """Depth (negative, m) of a parallel plane before the best one that is rather the wall's face, or 0.
-
-    Where openings take up most of a wall, blinds and frames can hold more points than the wall itself.
-    """
-    along = points @ np.array([-normal[1], normal[0], 0.0])
-    near = np.abs(depth) < NEAR_PLANE
-    low, high = np.percentile(along[near], [2, 98])
-    beside = (along > low) & (along < high) & (points[:, 2] > np.percentile(points[near, 2], 10))
-    edges = np.arange(-IN_FRONT - 0.01, NEAR_PLANE + 0.02, 0.02)
-    count, _ = np.histogram(depth[beside], edges, weights=weight[beside])
-    pair = count[:-1] + count[1:]
-    front = np.flatnonzero((pair > 0.5 * pair.max()) & (edges[1:-1] < -1.5 * NEAR_PLANE))
-    return float(edges[front[0] + 1]) if len(front) else 0.0
 
 
 def _inward_sign(
@@ -283,7 +196,7 @@ def _sort_points(
     scatter = 1.4826 * float(np.median(np.abs(depth[near] - np.median(depth[near]))))
     band = float(np.clip(4.0 * scatter, 0.015, 0.06)) if options.wall_band is None else options.wall_band
     on_wall = np.flatnonzero(np.abs(depth) < band)
-    on_wall = on_wall[_largest_part(local[on_wall][:, [0, 2]])]
+    on_wall = on_wall[largest_part(local[on_wall][:, [0, 2]])]
     _check_wall(local, on_wall, band)
     ground = _ground_level(local, on_wall)
     if ground is not None:
@@ -304,16 +217,6 @@ def _sort_points(
         ground=ground,
         outside_by=outside_by,
     )
-
-
-def _largest_part(xz: FloatArray) -> NDArray[np.intp]:
-    """Indices of the points of the largest connected part, parts being `GAP` apart."""
-    cells = np.floor((xz - xz.min(axis=0)) / GAP).astype(np.int64)
-    image = np.zeros(cells.max(axis=0) + 1, dtype=bool)
-    image[cells[:, 0], cells[:, 1]] = True
-    label, count = ndimage.label(image, structure=np.ones((3, 3)))
-    size = ndimage.sum_labels(image, label, np.arange(1, count + 1))
-    return np.flatnonzero(label[cells[:, 0], cells[:, 1]] == 1 + int(np.argmax(size)))
 
 
 def _check_wall(local: FloatArray, on_wall: NDArray[np.intp], band: float) -> None:

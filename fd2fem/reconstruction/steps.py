@@ -12,7 +12,7 @@ from fd2fem.reconstruction.boundary_lines import boundary_lines, check_size
 from fd2fem.reconstruction.flying_voxel import voxelise
 from fd2fem.reconstruction.holes import classify_holes
 from fd2fem.reconstruction.options import ReconstructionOptions
-from fd2fem.reconstruction.plane import NOTHING_TELLS, find_facade
+from fd2fem.reconstruction.plane import find_facade
 from fd2fem.reconstruction.quadtree import build_quadtree
 
 __all__ = ["reconstruct"]
@@ -21,6 +21,8 @@ SLANT = np.radians(2.0)
 """An edge that leans more, and by more than the points' spacing explains, is reported."""
 
 
+SEEN_THROUGH = 0.3
+"""A hole that rays passed in so much of it is hardly an occlusion."""
 DEFAULTS = ReconstructionOptions()
 
 
@@ -87,12 +89,16 @@ def _warnings(
     options: ReconstructionOptions,
 ) -> list[str]:
     """What the user should know before trusting the facade."""
-    warnings = []
-    if points.outside_by == NOTHING_TELLS:
-        warnings.append(
-            "Nothing in the scan tells the outside of the wall: if the facade comes out mirrored, "
-            "give the scanner's position."
-        )
+    warnings = [*points.warnings]
+    warnings += [
+        f"A hole of {hole.area:.1f} m² at x = {hole.x:.2f}, z = {hole.z:.2f} m was filled, though "
+        f"{100 * hole.evidence['seen_through']:.0f} % of it was seen through: {hole.reason}."
+        for hole in holes
+        if hole.kind is HoleKind.OCCLUSION
+        and hole.evidence["seen_through"] > SEEN_THROUGH
+        and hole.area > options.min_opening**2
+        and min(hole.width, hole.height) >= options.min_opening
+    ]
     warnings += [
         f"The foot of the opening at x = {hole.x:.2f} m lies in shadow: it may be a window, not a door."
         for hole in holes

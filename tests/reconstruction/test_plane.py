@@ -4,10 +4,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from synthetic import cleaned_cloud, facade_of, survey_frame
 
-from fd2fem.errors import ReconstructionError
+from fd2fem.errors import InputError, ReconstructionError
 from fd2fem.model import PointCloud
 from fd2fem.reconstruction.options import ReconstructionOptions
-from fd2fem.reconstruction.plane import NOTHING_TELLS, find_facade, point_spacing, thin_points
+from fd2fem.reconstruction.plane import NOTHING_TELLS, find_facade, point_spacing
+from fd2fem.reconstruction.wall_search import thin_points
 
 OPTIONS = ReconstructionOptions()
 HOUSE = facade_of(6.0, 5.0, [(1.0, 1.0, 1.2, 1.6)])
@@ -107,3 +108,56 @@ def test_thinning_keeps_one_point_a_cell():
     kept = thin_points(points, 0.2)
     assert len(kept) == 125
     assert len(np.unique(np.floor((points[kept] - points.min(axis=0)) / 0.2), axis=0)) == 125
+
+
+@pytest.mark.parametrize(
+    ("scanners", "message"),
+    [
+        ([[3.0, 0.02, 1.6]], "0.02.* m from the wall's plane"),
+        ([[3.0, -1e30, 1.6]], "1e\\+30 m from the wall's plane"),
+        ([[3.0, -8.0, 1.6], [3.0, 8.0, 1.6]], "lie on both sides of the wall"),
+    ],
+)
+def test_impossible_scanner_positions_are_refused(scanners, message):
+    cloud = cleaned_cloud(HOUSE, 0.04)
+    with pytest.raises(InputError, match=message):
+        find_facade(PointCloud(cloud.points, "wall", scanners=np.array(scanners)), options=OPTIONS)
+
+
+def test_room_seen_through_a_large_opening_is_not_the_wall():
+    # A shop front of 5.2 x 2.8 m in a wall of 6 x 4 m: the room's back wall holds more points than the wall.
+    wall = cleaned_cloud(facade_of(6.0, 4.0, [(0.4, 0.0, 5.2, 2.8)]), 0.02)
+    rng = np.random.default_rng(1)
+    x, z = rng.uniform(0.0, 6.0, 60_000), rng.uniform(0.0, 3.9, 60_000)
+    back = np.column_stack([x, np.full(60_000, 4.1), z])
+    cloud = PointCloud(np.concatenate([wall.points, back]), "shop", scanners=wall.scanners)
+    found = find_facade(cloud, options=OPTIONS)
+    assert abs(found.frame.origin[1]) < 0.01
+
+
+def test_strip_of_a_blank_neighbour_loses_to_a_wall_of_windows():
+    windows = [(0.4, 0.0, 4.1, 2.9), (0.6, 4.0, 3.7, 2.6), (0.6, 7.5, 3.7, 2.4), (0.7, 10.4, 3.5, 1.2)]
+    wall = cleaned_cloud(facade_of(4.95, 12.0, windows), 0.03)
+    rng = np.random.default_rng(2)
+    x, z = rng.uniform(4.95, 7.0, 33_000), rng.uniform(0.0, 14.0, 33_000)
+    strip = np.column_stack([x, np.full(33_000, 0.3), z])
+    for scanners in (wall.scanners, np.empty((0, 3))):
+        cloud = PointCloud(np.concatenate([wall.points, strip]), "street", scanners=scanners)
+        found = find_facade(cloud, options=OPTIONS)
+        assert np.ptp(found.xz, axis=0) == pytest.approx([4.95, 12.0], abs=0.1)
+
+
+def test_wall_that_goes_on_in_another_plane_is_reported():
+    low = cleaned_cloud(facade_of(6.0, 5.0, []), 0.03)
+    high = low.points + np.array([0.0, 0.08, 5.0])
+    found = find_facade(
+        PointCloud(np.concatenate([low.points, high]), "two", scanners=low.scanners), options=OPTIONS
+    )
+    assert any("m² of what may be the same wall" in warning for warning in found.warnings)
+
+
+def test_wall_that_nearly_matches_the_chosen_one_is_reported():
+    wall = cleaned_cloud(facade_of(6.0, 5.0, []), 0.03).points
+    other = wall + np.array([9.0, 1.0, 0.0])
+    found = find_facade(PointCloud(np.concatenate([wall, other]), "two"), options=OPTIONS)
+    assert any(warning.startswith("Another wall spans") for warning in found.warnings)
