@@ -24,8 +24,12 @@ from fd2fem.model import (
 )
 from fd2fem.reconstruction.options import ReconstructionOptions
 
-__all__ = ["assemble_facade", "move_to_corner"]
+__all__ = ["assemble_facade", "complete_sills", "move_to_corner"]
 
+ALIKE = 0.1
+"""Openings are alike whose heads differ by less, m, and whose widths by a smaller share."""
+HIDDEN_SIGMA = 0.05
+"""Standard error of a sill that was not seen, m."""
 Lines = tuple[BoundaryLine, ...]
 Holes = tuple[Hole, ...]
 
@@ -88,10 +92,48 @@ def assemble_facade(
     return Facade(
         outline,
         options.thickness,
-        number_by_rows(openings),
+        number_by_rows(complete_sills(openings, options=options)),
         tuple(hole for hole in filled if hole is not None),
         points.frame,
     )
+
+
+def complete_sills(openings: list[Opening], *, options: ReconstructionOptions) -> list[Opening]:
+    """Give hidden sills the height of those of like openings.
+
+    An opening whose foot lies in shadow may be a window or a door. If its width and head are those of two
+    windows or more, it is one of their row.
+
+    Parameters
+    ----------
+    openings : list of Opening
+    options : ReconstructionOptions
+    """
+    completed = []
+    for opening in openings:
+        like = [
+            other
+            for other in openings
+            if other.kind is OpeningKind.WINDOW
+            and abs(other.width - opening.width) < ALIKE * opening.width
+            and abs(other.z + other.height - opening.z - opening.height) < ALIKE
+        ]
+        hidden = opening.evidence.get("foot_in_shadow", 0.0) > options.max_shadow
+        if opening.kind is OpeningKind.DOOR and hidden and len(like) >= 2:
+            sills = np.array([other.z for other in like])
+            outline = np.maximum(opening.outline, [-np.inf, float(np.median(sills))])
+            completed.append(
+                replace(
+                    opening,
+                    kind=OpeningKind.WINDOW,
+                    outline=outline,
+                    sigma=replace(opening.sigma, bottom=float(max(np.std(sills), HIDDEN_SIGMA))),
+                    evidence={**opening.evidence, "sill": f"hidden; taken from {len(like)} openings like it"},
+                )
+            )
+        else:
+            completed.append(opening)
+    return completed
 
 
 def _opening(hole: Hole, edges: dict[Side, BoundaryLine]) -> Opening:

@@ -5,7 +5,7 @@ from time import perf_counter
 
 import numpy as np
 
-from fd2fem.model import BoundaryLine, FacadePoints, Hole, HoleKind, PointCloud, Reconstruction, Side
+from fd2fem.model import BoundaryLine, Facade, FacadePoints, Hole, HoleKind, PointCloud, Reconstruction, Side
 from fd2fem.reconstruction.assembly import assemble_facade, move_to_corner
 from fd2fem.reconstruction.boundary import find_boundary
 from fd2fem.reconstruction.boundary_lines import boundary_lines, check_size
@@ -69,7 +69,7 @@ def reconstruct(cloud: PointCloud, *, options: ReconstructionOptions = DEFAULTS)
         "spacing": points.spacing,
         "plane_rms": points.rms,
         "outside_by": points.outside_by,
-        "warnings": _warnings(points, holes, lines, options),
+        "warnings": _warnings(points, holes, lines, facade, options),
     }
     return Reconstruction(points, boundary, holes, tree, lines, voxels, replace(facade, record=record))
 
@@ -86,6 +86,7 @@ def _warnings(
     points: FacadePoints,
     holes: tuple[Hole, ...],
     lines: tuple[BoundaryLine, ...],
+    facade: Facade,
     options: ReconstructionOptions,
 ) -> list[str]:
     """What the user should know before trusting the facade."""
@@ -99,11 +100,13 @@ def _warnings(
         and hole.area > options.min_opening**2
         and min(hole.width, hole.height) >= options.min_opening
     ]
-    warnings += [
-        f"The foot of the opening at x = {hole.x:.2f} m lies in shadow: it may be a window, not a door."
-        for hole in holes
-        if hole.kind is HoleKind.OPENING and hole.evidence["foot_in_shadow"] > options.max_shadow
-    ]
+    for opening in facade.openings:
+        if "sill" in opening.evidence:
+            warnings.append(f"The sill of opening {opening.id} is {opening.evidence['sill']}.")
+        elif opening.evidence["foot_in_shadow"] > options.max_shadow:
+            warnings.append(
+                f"The foot of opening {opening.id} lies in shadow: it may be a window, not a door."
+            )
     for line in lines:
         if line.hole < 0 and line.side is Side.BOTTOM and points.ground is not None:
             continue
