@@ -13,6 +13,10 @@ AT_FAULT = 2
 """Exit code for bad input, wrong words included."""
 
 
+FACADE_HELP = "facade.json, TOML or DXF drawing, STEP solid, or building1, building2, building3"
+CONFIG_HELP = "settings: sections reconstruction, solid, mesh, material, settlement, analysis, comparison"
+
+
 class _Parser(argparse.ArgumentParser):
     """A parser that says what is wrong in one line."""
 
@@ -56,19 +60,23 @@ def build_parser() -> argparse.ArgumentParser:
     _facade_arguments(solid, "FACADE")
 
     mesh = command("mesh", "a facade or STEP solid to a mesh; format by suffix")
-    mesh.add_argument("facade", metavar="FACADE|STEP")
-    mesh.add_argument("-o", "--output", type=Path, required=True, metavar="FILE")
-    mesh.add_argument("--config", type=Path, metavar="C.toml")
+    mesh.add_argument("facade", metavar="FACADE|STEP", help=FACADE_HELP)
+    mesh.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="FILE", help=".msh, .vtu, .inp, .cdb or .med"
+    )
+    mesh.add_argument("--config", type=Path, metavar="C.toml", help=CONFIG_HELP)
 
     analysis = command("analyse", "settlement analysis of a facade or a mesh")
     _facade_arguments(analysis, "FACADE|MESH")
 
     compare = command("compare", "a candidate against a reference: facades or analysed folders")
-    compare.add_argument("candidate", metavar="CANDIDATE")
-    compare.add_argument("reference", metavar="REFERENCE")
-    compare.add_argument("--tolerance", type=float, metavar="SHARE", help="default 0.05")
+    compare.add_argument("candidate", metavar="CANDIDATE", help="facade or analysed folder")
+    compare.add_argument("reference", metavar="REFERENCE", help="facade or analysed folder")
+    compare.add_argument(
+        "--tolerance", type=float, metavar="SHARE", help="between 0 and 1, both excluded (default 0.05)"
+    )
     compare.add_argument("-o", "--output", type=Path, metavar="DIR")
-    compare.add_argument("--config", type=Path, metavar="C.toml")
+    compare.add_argument("--config", type=Path, metavar="C.toml", help=CONFIG_HELP)
 
     scan = command("scan", "scan a facade virtually, for planning and tests")
     scan.add_argument("facade", metavar="FACADE", help="a drawing, or building1, building2, building3")
@@ -78,7 +86,9 @@ def build_parser() -> argparse.ArgumentParser:
 
 
 def _scan_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("scans", type=Path, nargs="+", metavar="SCAN")
+    parser.add_argument(
+        "scans", type=Path, nargs="+", metavar="SCAN", help="LAS, LAZ, PLY, XYZ, CSV or TXT file"
+    )
     parser.add_argument(
         "--scanner",
         type=_position,
@@ -90,14 +100,18 @@ def _scan_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--units", choices=["auto", "m", "mm"], default="auto", help="of the scan (default auto)"
     )
-    parser.add_argument("--config", type=Path, metavar="C.toml")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    parser.add_argument("--config", type=Path, metavar="C.toml", help=CONFIG_HELP)
+    parser.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results"
+    )
 
 
 def _facade_arguments(parser: argparse.ArgumentParser, name: str) -> None:
-    parser.add_argument("facade", metavar=name)
-    parser.add_argument("--config", type=Path, metavar="C.toml")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    parser.add_argument("facade", metavar=name, help=FACADE_HELP)
+    parser.add_argument("--config", type=Path, metavar="C.toml", help=CONFIG_HELP)
+    parser.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results"
+    )
 
 
 def _simulation_arguments(parser: argparse.ArgumentParser) -> None:
@@ -120,7 +134,7 @@ def _simulation_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--noise", type=float, default=0.002, metavar="M", help="range noise, 1 sigma (default 0.002)"
     )
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seed", type=int, default=0, help="of noise, street and re-sampling (default 0)")
 
 
 def _position(text: str) -> tuple[float, float, float]:

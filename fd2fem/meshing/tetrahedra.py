@@ -77,7 +77,7 @@ def _import_solid(gmsh: ModuleType, path: Path) -> None:
     """Load the solids of a STEP file and let those that touch share their faces."""
     # OpenCASCADE writes to stdout about anything else.
     if not path.is_file() or b"ISO-10303-21" not in path.read_bytes()[:4096]:
-        msg = f"{path} is not a STEP file; give one that a CAD program exported."
+        msg = f"{path.name} is not a STEP file that can be read: export the solid again."
         raise InputError(msg)
     try:
         gmsh.model.occ.importShapes(str(path), format="step")

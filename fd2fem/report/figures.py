@@ -74,7 +74,8 @@ def draw_scan(points: FacadePoints, path: Path) -> None:
     axes[0].set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), title="from the front")
     scanners = points.scanners
     axes[1].plot(scanners[:, 0], scanners[:, 1], "k^", markersize=5, label="scanner")
-    axes[1].set(xlim=(low[0] - 4, high[0] + 4), ylim=(-14, 6), title="from above", ylabel="y, m")
+    nearest = float(scanners[:, 1].min(initial=-10.0)) - 2.0
+    axes[1].set(xlim=(low[0] - 4, high[0] + 4), ylim=(nearest, 6), title="from above", ylabel="y, m")
     axes[1].legend(fontsize=7, loc="lower right")
     save(figure, path)
 
