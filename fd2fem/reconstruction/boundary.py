@@ -15,7 +15,7 @@ from fd2fem.errors import ReconstructionError
 from fd2fem.model import Boundary, FacadePoints
 from fd2fem.reconstruction.options import ReconstructionOptions
 
-__all__ = ["OUTSIDE", "find_boundary", "length_threshold"]
+__all__ = ["OUTSIDE", "find_boundary", "length_threshold", "triangle_areas"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -100,7 +100,7 @@ def find_boundary(points: FacadePoints, *, options: ReconstructionOptions) -> Bo
         triangulation.neighbors[inner],
         lengths[inner],
         names=inner,
-        areas=_areas(points.xz[triangles[inner]]),
+        areas=triangle_areas(points.xz[triangles[inner]]),
         widths=(threshold, passage),
     )
     _check_gaps(points.xz, triangles[long], cluster, threshold, options)
@@ -153,7 +153,7 @@ def _check_gaps(
 ) -> None:
     """Raise if gaps between single points, rather than holes, make up much of the wall."""
     inner = cluster >= 0
-    total = np.bincount(cluster[inner], _areas(xz[triangles[inner]]))
+    total = np.bincount(cluster[inner], triangle_areas(xz[triangles[inner]]))
     small = float(total[total < 0.5 * options.min_opening**2].sum())
     share = small / float(np.ptp(xz, axis=0).prod())
     if share > MISSED:
@@ -164,7 +164,7 @@ def _check_gaps(
         raise ReconstructionError(msg)
 
 
-def _areas(corners: FloatArray) -> FloatArray:
+def triangle_areas(corners: FloatArray) -> FloatArray:
     """Areas, m², of (t, 3, 2) triangles."""
     first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     area: FloatArray = 0.5 * np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])

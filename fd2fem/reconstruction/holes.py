@@ -12,6 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from fd2fem.model import Boundary, FacadePoints, Hole, HoleKind
+from fd2fem.reconstruction.boundary import triangle_areas
 from fd2fem.reconstruction.options import ReconstructionOptions
 
 __all__ = ["RayEvidence", "classify_holes", "equation_1", "histogram_peaks", "ray_evidence"]
@@ -23,6 +24,8 @@ SMALLEST = 0.25
 """Gaps smaller than this share of the smallest opening's area are not holes but missed points."""
 
 
+RAY_CELL = 3.0
+"""Edge of the cells that rays are counted in, in point spacings."""
 EDGE_SHOWN = 0.2
 """An edge shows when so much of a hole's extent along it is seen."""
 PEAK = 0.5
@@ -160,11 +163,7 @@ def classify_holes(
     tuple of Hole
         The largest first. Gaps much smaller than an opening are left out.
     """
-    corners = points.xz[boundary.triangles]
-    areas = 0.5 * np.abs(
-        (corners[:, 1, 0] - corners[:, 0, 0]) * (corners[:, 2, 1] - corners[:, 0, 1])
-        - (corners[:, 2, 0] - corners[:, 0, 0]) * (corners[:, 1, 1] - corners[:, 0, 1])
-    )
+    areas = triangle_areas(points.xz[boundary.triangles])
     inner = boundary.hole_of_triangle >= 0
     total = np.bincount(boundary.hole_of_triangle[inner], areas[inner])
     rays = ray_evidence(points)
@@ -184,51 +183,32 @@ def _classify(
     region = shapely.union_all(shapely.polygons(points.xz[triangles]))
     pieces = [piece for piece in getattr(region, "geoms", [region]) if isinstance(piece, shapely.Polygon)]
     shape = max(pieces, key=lambda piece: piece.area)
-    members = np.unique(triangles)
-    centre = shape.centroid
-    width = max(2.0 * points.spacing, 0.02)
-    corners = np.array(shape.exterior.coords)
-    middle, run = (corners[1:] + corners[:-1]) / 2.0, np.abs(np.diff(corners, axis=0))
-    # Longer segments bridge what is hidden, or cut a corner: no edge of the wall runs along them.
-    seen = np.hypot(run[:, 0], run[:, 1]) <= boundary.threshold
-    # The corners weigh nothing, but say how far the hole reaches where no edge shows.
-    middle = np.concatenate([middle[seen], corners])
-    run = np.concatenate([run[seen], np.zeros_like(corners)])
-    least = EDGE_SHOWN * np.ptp(corners, axis=0)
-    left, right = histogram_peaks(middle[:, 0], run[:, 1], centre=centre.x, width=width, least=least[1])
-    bottom, top = histogram_peaks(middle[:, 1], run[:, 0], centre=centre.y, width=width, least=least[0])
+    left, bottom, right, top = _rectangle(shape, boundary.threshold, points.spacing)
     foot = float(points.xz[:, 1].min()) if points.ground is None else points.ground
+    cell = RAY_CELL * points.spacing
     foot_in_shadow = 0.0
-    if _open_below(points, (left, right), float(points.xz[members, 1].min()), foot, boundary.threshold):
+    if _open_below(points, shape, (left, right), foot, boundary.threshold):
         bottom = foot
         lowest = shapely.box(left, foot, right, min(foot + options.min_opening, top))
-        foot_in_shadow, _ = _share_of_cells(lowest, rays, cell=3.0 * points.spacing)
-    length, height = right - left, top - bottom
+        foot_in_shadow, _ = _share_of_cells(lowest, rays, cell=cell)
     box = shapely.box(left, bottom, right, top)
-    filled = shape.intersection(box).area / max(box.area, 1e-12)
-    shadow, through = _share_of_cells(shape, rays, cell=3.0 * points.spacing)
-    reason = equation_1(height, length, options=options)
-    if not reason and filled < options.min_rectangularity:
-        reason = (
-            f"fills {100 * filled:.0f} % of its rectangle, under {100 * options.min_rectangularity:.0f} %"
-        )
-    if not reason and shadow > options.max_shadow and through < 0.5 * shadow:
-        reason = f"{100 * shadow:.0f} % of it lies in the shadow of things before the wall"
-    kind = HoleKind.OCCLUSION if reason else HoleKind.OPENING
+    filled = float(shape.intersection(box).area / max(box.area, 1e-12))
+    shadow, through = _share_of_cells(shape, rays, cell=cell)
+    against = _against(right - left, top - bottom, filled, (shadow, through), options)
     return Hole(
         loop=np.array(shape.exterior.coords),
-        points=members,
-        kind=kind,
-        reason=reason or "size, height/length and rectangularity are those of an opening (equation 1)",
+        points=np.unique(triangles),
+        kind=HoleKind.OCCLUSION if against else HoleKind.OPENING,
+        reason=against or "size, height/length and rectangularity are those of an opening (equation 1)",
         x=left,
         z=bottom,
-        width=length,
-        height=height,
+        width=right - left,
+        height=top - bottom,
         area=float(region.area),
         confidence=float(np.clip(filled * (1.0 - shadow * (1.0 - through)), 0.0, 1.0)),
         evidence={
-            "aspect": round(height / max(length, 1e-9), 3),
-            "rectangularity": round(float(filled), 3),
+            "aspect": round((top - bottom) / max(right - left, 1e-9), 3),
+            "rectangularity": round(filled, 3),
             "in_shadow": round(shadow, 3),
             "seen_through": round(through, 3),
             "foot_in_shadow": round(foot_in_shadow, 3),
@@ -237,10 +217,42 @@ def _classify(
     )
 
 
+def _rectangle(shape: shapely.Polygon, threshold: float, spacing: float) -> tuple[float, float, float, float]:
+    """Left, bottom, right and top of a hole by the histograms of its boundary, m."""
+    corners = np.array(shape.exterior.coords)
+    middle, run = (corners[1:] + corners[:-1]) / 2.0, np.abs(np.diff(corners, axis=0))
+    # Longer segments bridge what is hidden, or cut a corner: no edge of the wall runs along them.
+    seen = np.hypot(run[:, 0], run[:, 1]) <= threshold
+    # The corners weigh nothing, but say how far the hole reaches where no edge shows.
+    middle = np.concatenate([middle[seen], corners])
+    run = np.concatenate([run[seen], np.zeros_like(corners)])
+    centre, least = shape.centroid, EDGE_SHOWN * np.ptp(corners, axis=0)
+    width = max(2.0 * spacing, 0.02)
+    left, right = histogram_peaks(middle[:, 0], run[:, 1], centre=centre.x, width=width, least=least[1])
+    bottom, top = histogram_peaks(middle[:, 1], run[:, 0], centre=centre.y, width=width, least=least[0])
+    return left, bottom, right, top
+
+
+def _against(
+    length: float, height: float, filled: float, rays: tuple[float, float], options: ReconstructionOptions
+) -> str:
+    """Why a hole is an occlusion, or an empty string if it is an opening."""
+    shadow, through = rays
+    reason = equation_1(height, length, options=options)
+    if reason:
+        return reason
+    if filled < options.min_rectangularity:
+        return f"fills {100 * filled:.0f} % of its rectangle, under {100 * options.min_rectangularity:.0f} %"
+    if shadow > options.max_shadow and through < 0.5 * shadow:
+        return f"{100 * shadow:.0f} % of it lies in the shadow of things before the wall"
+    return ""
+
+
 def _open_below(
-    points: FacadePoints, jambs: tuple[float, float], lowest: float, foot: float, threshold: float
+    points: FacadePoints, shape: shapely.Polygon, jambs: tuple[float, float], foot: float, threshold: float
 ) -> bool:
     """Whether a hole reaches the ground: its lowest point is near it, and no wall shows below."""
+    lowest = shape.bounds[1]
     if lowest - foot > 3.0 * threshold:
         return False
     low, high = jambs[0] + threshold, jambs[1] - threshold
