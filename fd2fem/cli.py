@@ -27,6 +27,15 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
+OF_A_REFERENCE = (
+    "comparison.json",
+    "08_reference.png",
+    "09_comparison.png",
+    "reference/facade.json",
+    "reference/response.json",
+    "reference/response.vtu",
+)
+"""Results that a run without a reference does not make."""
 DONE, SHORT, FAILED, SIGNALLED = 0, 1, 3, 128
 
 Summary = dict[str, Any]
@@ -176,7 +185,9 @@ def _run_chain(
     from fd2fem.output import staged_folder
 
     options = _options(args)
-    with staged_folder(args.output, expected=["facade.json"], force=args.force) as folder:
+    with staged_folder(
+        args.output, expected=["facade.json"], stale=OF_A_REFERENCE, force=args.force
+    ) as folder:
         result = pipeline.run(
             make_cloud(), folder, reference=reference, options=options, progress=_progress(args)
         )

@@ -1,6 +1,7 @@
 """The options of the whole chain, and the TOML file that sets them."""
 
 import difflib
+import json
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -88,8 +89,7 @@ def options_from_dict(data: Mapping[str, Any], *, source: str) -> PipelineOption
     if "settlement" in data:
         parts["settlement"] = _settlement(data["settlement"], f"{source}: [settlement]")
     if "analysis" in data or parts:
-        parts |= dict(data.get("analysis", {}))
-        chosen["analysis"] = _record(AnalysisOptions, parts, f"{source}: [analysis]")
+        chosen["analysis"] = _analysis(data.get("analysis", {}), parts, f"{source}: [analysis]")
     return PipelineOptions(**chosen)
 
 
@@ -97,23 +97,42 @@ def _settlement(section: Mapping[str, Any], where: str) -> object:
     """The settlement record that ``kind`` names."""
     values = dict(section)
     kind = values.pop("kind", "linear")
-    if kind not in SETTLEMENTS:
+    if not isinstance(kind, str) or kind not in SETTLEMENTS:
         msg = f"{where}: kind is {kind!r}, expected {' or '.join(map(repr, SETTLEMENTS))}."
         raise InputError(msg)
     return _record(SETTLEMENTS[kind], values, where)
+
+
+def _analysis(section: Mapping[str, Any], parts: dict[str, Any], where: str) -> AnalysisOptions:
+    """The options of the analysis: `parts` come from sections of their own, gravity from this one."""
+    _check_keys(section, {"gravity"}, where)
+    gravity = section.get("gravity", AnalysisOptions.gravity)
+    if isinstance(gravity, bool) or not isinstance(gravity, int | float):
+        msg = f"{where}: gravity: expected a number, got {gravity!r}."
+        raise InputError(msg)
+    try:
+        return AnalysisOptions(gravity=float(gravity), **parts)
+    except InputError as error:
+        msg = f"{where}: {error}"
+        raise InputError(msg) from error
+
+
+def _check_keys(section: Mapping[str, Any], known: set[str], where: str) -> None:
+    for name in section:
+        if name not in known:
+            msg = f"{where}: unknown key '{name}'{_closest(name, known)}."
+            raise InputError(msg)
 
 
 def _record(cls: type[T], values: Mapping[str, Any], where: str) -> T:
     """Build a record of options from a section, with one line for whatever is wrong."""
     from pydantic import TypeAdapter, ValidationError
 
-    known = {entry.name for entry in fields(cls)}  # type: ignore[arg-type]  # every cls is a dataclass
-    for name in values:
-        if name not in known:
-            msg = f"{where}: unknown key '{name}'{_closest(name, known)}."
-            raise InputError(msg)
+    # Every cls is a dataclass.
+    _check_keys(values, {entry.name for entry in fields(cls)}, where)  # type: ignore[arg-type]
     try:
-        return TypeAdapter(cls).validate_python(dict(values))
+        # By way of JSON, the strict check takes a table for a record, but neither true nor "1" for a number.
+        return TypeAdapter(cls).validate_json(json.dumps(values, default=str), strict=True)
     except ValidationError as error:
         first = error.errors()[0]
         name = ".".join(str(part) for part in first["loc"])

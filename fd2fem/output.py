@@ -17,7 +17,9 @@ __all__ = ["staged_file", "staged_folder"]
 
 
 @contextmanager
-def staged_folder(folder: Path, *, expected: Sequence[str] = (), force: bool = False) -> Iterator[Path]:
+def staged_folder(
+    folder: Path, *, expected: Sequence[str] = (), stale: Sequence[str] = (), force: bool = False
+) -> Iterator[Path]:
     """Yield an empty folder whose contents move into `folder` when the block ends well.
 
     Parameters
@@ -26,6 +28,8 @@ def staged_folder(folder: Path, *, expected: Sequence[str] = (), force: bool = F
         May exist and hold other files.
     expected : sequence of str
         Names of the main results, so that a clash shows before the work is done.
+    stale : sequence of str
+        Results of an earlier run that go if this one makes none of that name, so that old and new never mix.
     force : bool
         Replace files that exist.
 
@@ -38,7 +42,8 @@ def staged_folder(folder: Path, *, expected: Sequence[str] = (), force: bool = F
         msg = f"{folder} is a file; give a folder to write to."
         raise InputError(msg)
     _refuse_clash(folder, expected, force=force)
-    stage = _stage_beside(folder)
+    # Inside the folder if there is one: it may be a mount, or a link to another file system.
+    stage = _new_stage(folder if folder.is_dir() else folder.absolute().parent, folder)
     try:
         yield stage
         made = sorted(path.relative_to(stage) for path in stage.rglob("*") if path.is_file())
@@ -46,6 +51,9 @@ def staged_folder(folder: Path, *, expected: Sequence[str] = (), force: bool = F
         new = [str(name) for name in made if not _same(stage / name, folder / name)]
         _refuse_clash(folder, new, force=force)
         if folder.exists():
+            for old in stale:
+                if not (stage / old).exists():
+                    (folder / old).unlink(missing_ok=True)
             for name in made:
                 (folder / name).parent.mkdir(parents=True, exist_ok=True)
                 (stage / name).replace(folder / name)
@@ -70,7 +78,7 @@ def staged_file(path: Path, *, force: bool = False) -> Iterator[Path]:
         msg = f"{path} is a folder; give the name of a file to write."
         raise InputError(msg)
     _refuse_clash(path.parent, [path.name], force=force)
-    stage = _stage_beside(path)
+    stage = _new_stage(path.absolute().parent, path)
     try:
         yield stage / path.name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -93,9 +101,8 @@ def _same(first: Path, second: Path) -> bool:
     return second.is_file() and filecmp.cmp(first, second, shallow=False)
 
 
-def _stage_beside(target: Path) -> Path:
-    """A new hidden folder in the nearest existing parent, so that renaming stays on one file system."""
-    parent = target.absolute().parent
+def _new_stage(parent: Path, target: Path) -> Path:
+    """A new hidden folder in `parent`, or its nearest existing parent: renaming stays on one file system."""
     while not parent.exists():
         parent = parent.parent
     if not parent.is_dir():

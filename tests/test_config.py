@@ -61,6 +61,12 @@ def test_empty_configuration_is_the_default():
         ({"mesh": {"sise": 0.2}}, r"c: \[mesh\]: unknown key 'sise'; did you mean 'size'"),
         ({"mesh": {"size": "coarse"}}, r"c: \[mesh\]: size: .*number"),
         ({"mesh": {"size": -1.0}}, r"c: \[mesh\]: .*size"),
+        ({"mesh": {"size": True}}, r"c: \[mesh\]: size: .*number"),
+        ({"reconstruction": {"seed": -1}}, r"c: \[reconstruction\]: .*seed"),
+        ({"analysis": {"gravity": "high"}}, r"c: \[analysis\]: gravity: expected a number"),
+        ({"analysis": {"material": {}}}, r"c: \[analysis\]: unknown key 'material'"),
+        ({"settlement": {"kind": [1]}}, r"c: \[settlement\]: kind is \[1\]"),
+        ({"reconstruction": {"threshold": 0.3}}, r"more than half of the smallest opening"),
         ({"material": {"poisson": 0.5}}, r"c: \[material\]: .*poisson"),
         (
             {"settlement": {"kind": "sinkhole"}},

@@ -1,3 +1,6 @@
+import tempfile
+from pathlib import Path
+
 import pytest
 
 from fd2fem.errors import InputError
@@ -58,6 +61,23 @@ def test_identical_file_is_no_clash(tmp_path):
         (stage / "a.txt").write_text("same")
         (stage / "b.txt").write_text("new")
     assert leftovers(tmp_path) == ["a.txt", "b.txt"]
+
+
+def test_results_of_an_earlier_run_do_not_stay_beside_new_ones(tmp_path):
+    (tmp_path / "comparison.json").write_text("old verdict")
+    (tmp_path / "notes.txt").write_text("mine")
+    with staged_folder(tmp_path, stale=["comparison.json"], force=True) as stage:
+        (stage / "facade.json").write_text("new")
+    assert leftovers(tmp_path) == ["facade.json", "notes.txt"]
+
+
+def test_link_to_another_file_system(tmp_path):
+    with tempfile.TemporaryDirectory(dir="/dev/shm" if Path("/dev/shm").is_dir() else None) as elsewhere:
+        link = tmp_path / "out"
+        link.symlink_to(elsewhere, target_is_directory=True)
+        with staged_folder(link) as stage:
+            (stage / "a.txt").write_text("a")
+        assert leftovers(Path(elsewhere)) == ["a.txt"]
 
 
 def test_force_replaces(tmp_path):

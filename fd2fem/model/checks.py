@@ -33,6 +33,9 @@ def as_array(
     [1.0, 2.0, 3.0]
     """
     array: NDArray[Any] = np.array(values, dtype=dtype)
+    if np.issubdtype(array.dtype, np.integer) and not np.array_equal(array, np.asarray(values)):
+        msg = f"Invalid '{name}': expected whole numbers."
+        raise InputError(msg)
     expected = tuple(shape)
     if array.ndim != len(expected) or any(
         want is not None and want != have for want, have in zip(expected, array.shape, strict=True)
@@ -119,7 +122,10 @@ def check_positive(name: str, value: float) -> float:
     >>> check_positive("thickness", 0.35)
     0.35
     """
-    number = float(value)
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = np.nan
     if not (np.isfinite(number) and number > 0.0):
         msg = f"Invalid '{name}': expected a positive number, got {value}."
         raise InputError(msg)

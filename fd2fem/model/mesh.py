@@ -72,7 +72,8 @@ class VolumeMesh:
         used = np.zeros(len(self.nodes), dtype=bool)
         for name, table in (("elements", self.elements), *groups.items()):
             if table.size and (table.min() < 0 or table.max() >= len(self.nodes)):
-                msg = f"Invalid '{name}': node {int(table.max())} of a mesh with {len(self.nodes)} nodes."
+                wrong = int(table.min() if table.min() < 0 else table.max())
+                msg = f"Invalid '{name}': node {wrong} of a mesh with {len(self.nodes)} nodes."
                 raise InputError(msg)
             if name == "elements":
                 used[table] = True

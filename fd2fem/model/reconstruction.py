@@ -68,9 +68,9 @@ class Boundary:
     triangles : (t, 3) int array
         The triangles with an edge longer than the threshold; indices into the wall's points.
     hole_of_triangle : (t,) int array
-        The cluster that each of them belongs to, from 0.
+        The cluster that each of them belongs to, from 0; -1 along the border of the triangulation.
     outer : (h,) int array
-        Sorted indices of the points on the border of the triangulation.
+        Sorted indices of the points on the border of the triangulation and of its long triangles there.
     edge_lengths : (e,) float array, m
         The distribution that the threshold comes from.
     """
@@ -101,7 +101,7 @@ class Hole:
     Attributes
     ----------
     loop : (k, 2) float array, m
-        Its outline, facade frame, counter-clockwise, not closed.
+        Outline of its largest piece, facade frame, counter-clockwise, not closed.
     points : (b,) int array
         Indices of its boundary points into the wall's points.
     kind : HoleKind
@@ -110,7 +110,7 @@ class Hole:
     x, z, width, height : float, m
         The rectangle between the peaks of its coordinate histograms.
     area : float, m²
-        Area of the gap itself.
+        Area of the gap itself, all pieces.
     confidence : float
         Of the verdict, between 0 and 1.
     evidence : mapping

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from fd2fem.errors import ReconstructionError
+from fd2fem.errors import InputError, ReconstructionError
 from fd2fem.model import (
     BoundaryLine,
     EdgeSigma,
@@ -79,7 +79,7 @@ def assemble_facade(
     Raises
     ------
     ReconstructionError
-        If the lines of an opening cross.
+        If the lines of an opening cross, or openings touch.
     """
     wall = {line.side: line.position for line in lines if line.hole < 0}
     outline = rectangle(0.0, 0.0, wall[Side.RIGHT], wall[Side.TOP])
@@ -89,13 +89,17 @@ def assemble_facade(
         if hole.kind is HoleKind.OPENING
     ]
     filled = [_filled(hole, outline) for hole in holes if hole.kind is HoleKind.OCCLUSION]
-    return Facade(
-        outline,
-        options.thickness,
-        number_by_rows(complete_sills(openings, options=options)),
-        tuple(hole for hole in filled if hole is not None),
-        points.frame,
-    )
+    try:
+        return Facade(
+            outline,
+            options.thickness,
+            number_by_rows(complete_sills(openings, options=options)),
+            tuple(hole for hole in filled if hole is not None),
+            points.frame,
+        )
+    except InputError as error:
+        msg = f"What was found is no facade ({str(error).rstrip('.')}): check threshold and min_opening."
+        raise ReconstructionError(msg) from error
 
 
 def complete_sills(openings: list[Opening], *, options: ReconstructionOptions) -> list[Opening]:

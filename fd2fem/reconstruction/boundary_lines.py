@@ -18,7 +18,7 @@ from fd2fem.reconstruction.edges import edge_position
 from fd2fem.reconstruction.options import ReconstructionOptions
 from fd2fem.reconstruction.quadtree import leaf_of_points
 
-__all__ = ["boundary_lines", "flood_cluster", "voxel_group"]
+__all__ = ["boundary_lines", "check_size", "flood_cluster", "voxel_group"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]

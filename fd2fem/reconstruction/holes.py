@@ -115,36 +115,39 @@ def histogram_peaks(
 
 @dataclass(frozen=True, eq=False)
 class RayEvidence:
-    """Where the scanners' rays that missed the wall's plane cross it.
+    """Where the rays that missed the wall's plane cross it; one array for each station.
 
     Attributes
     ----------
-    shadow : (·, 2) float array, m
+    shadow : tuple of (·, 2) float arrays, m
         Of the points before the wall, thrown along their rays onto it.
-    seen_through : (·, 2) float array, m
+    seen_through : tuple of (·, 2) float arrays, m
         Where the rays to the points behind the wall pass it.
     """
 
-    shadow: FloatArray
-    seen_through: FloatArray
+    shadow: tuple[FloatArray, ...]
+    seen_through: tuple[FloatArray, ...]
 
 
 def ray_evidence(points: FacadePoints) -> RayEvidence:
     """Throw the points before and behind the wall along their rays onto its plane.
 
     Without a scanner's position both are empty. With several stations, each point is thrown from all
-    of them, as a joined scan does not say which one saw it.
+    of them: a joined scan does not say which one saw it, and what stands before the wall hides it from each.
     """
-    crossings = []
-    for away in (points.front, points.behind):
-        thrown = [np.empty((0, 2))]
-        for scanner in points.scanners:
-            run = away[:, 1] - scanner[1]
-            usable = run > 1e-6
-            share = -scanner[1] / run[usable]
-            thrown.append(scanner[[0, 2]] + share[:, None] * (away[usable][:, [0, 2]] - scanner[[0, 2]]))
-        crossings.append(np.concatenate(thrown))
-    return RayEvidence(*crossings)
+    return RayEvidence(
+        shadow=tuple(_thrown(points.front, scanner) for scanner in points.scanners),
+        seen_through=tuple(_thrown(points.behind, scanner) for scanner in points.scanners),
+    )
+
+
+def _thrown(away: FloatArray, scanner: FloatArray) -> FloatArray:
+    """Where the rays from a scanner to points cross the wall's plane, (·, 2), m."""
+    run = away[:, 1] - scanner[1]
+    usable = run > 1e-6
+    share = -scanner[1] / run[usable]
+    crossing: FloatArray = scanner[[0, 2]] + share[:, None] * (away[usable][:, [0, 2]] - scanner[[0, 2]])
+    return crossing
 
 
 def classify_holes(
@@ -192,7 +195,8 @@ def _classify(
         lowest = shapely.box(left, foot, right, min(foot + options.min_opening, top))
         foot_in_shadow, _ = _share_of_cells(lowest, rays, cell=cell)
     box = shapely.box(left, bottom, right, top)
-    filled = float(shape.intersection(box).area / max(box.area, 1e-12))
+    filled = float(shape.intersection(box).area) + _fragments(points, boundary, cluster, box)
+    filled = min(filled / max(float(box.area), 1e-12), 1.0)
     shadow, through = _share_of_cells(shape, rays, cell=cell)
     against = _against(right - left, top - bottom, filled, (shadow, through), options)
     return Hole(
@@ -215,6 +219,14 @@ def _classify(
             "scanners": len(points.scanners),
         },
     )
+
+
+def _fragments(points: FacadePoints, boundary: Boundary, cluster: int, box: shapely.Polygon) -> float:
+    """Area of the other clusters in a hole's rectangle, m²: its cut-off corners."""
+    corners = points.xz[boundary.triangles[boundary.hole_of_triangle != cluster]]
+    low, high = np.array(box.bounds[:2]), np.array(box.bounds[2:])
+    inside = ((corners > low) & (corners < high)).all(axis=(1, 2))
+    return float(triangle_areas(corners[inside]).sum())
 
 
 def _rectangle(shape: shapely.Polygon, threshold: float, spacing: float) -> tuple[float, float, float, float]:
@@ -267,21 +279,25 @@ def _open_below(
 
 
 def _share_of_cells(shape: shapely.Polygon, rays: RayEvidence, *, cell: float) -> tuple[float, float]:
-    """Shares of a hole's cells that hold a shadow point, and that a ray passed to something behind."""
+    """Shares of a hole's cells that are hidden from every station, and that a ray of any passed through."""
     left, bottom, right, top = shape.bounds
     columns = np.arange(left + cell / 2, right, cell)
     rows = np.arange(bottom + cell / 2, top, cell)
     inside = shapely.contains_xy(shape, *(grid.ravel() for grid in np.meshgrid(columns, rows, indexing="ij")))
-    if not inside.any():
+    if not inside.any() or not rays.shadow:
         return 0.0, 0.0
-    shares = []
-    for crossing in (rays.shadow, rays.seen_through):
+
+    def hit(crossing: FloatArray) -> NDArray[np.bool_]:
         index = np.floor((crossing - [left, bottom]) / cell).astype(np.intp)
         index = index[((index >= 0) & (index < [len(columns), len(rows)])).all(axis=1)]
-        hit = np.zeros((len(columns), len(rows)), dtype=bool)
-        hit[index[:, 0], index[:, 1]] = True
-        shares.append(float(hit.ravel()[inside].mean()))
-    return shares[0], shares[1]
+        cells = np.zeros((len(columns), len(rows)), dtype=bool)
+        cells[index[:, 0], index[:, 1]] = True
+        hits: NDArray[np.bool_] = cells.ravel()[inside]
+        return hits
+
+    hidden = np.all([hit(crossing) for crossing in rays.shadow], axis=0)
+    passed = np.any([hit(crossing) for crossing in rays.seen_through], axis=0)
+    return float(hidden.mean()), float(passed.mean())
 
 
 def _without_fragments(holes: list[Hole], margin: float) -> list[Hole]:

@@ -53,6 +53,15 @@ class ReconstructionOptions:
         for name in ("threshold", "max_voxel", "wall_band"):
             if getattr(self, name) is not None:
                 check_positive(name, getattr(self, name))
+        if self.threshold is not None and self.threshold > self.min_opening / 2:
+            msg = (
+                f"Invalid 'threshold': {self.threshold} m is more than half of the smallest opening "
+                f"({self.min_opening} m), which it would bridge."
+            )
+            raise InputError(msg)
+        if self.seed < 0:
+            msg = f"Invalid 'seed': expected 0 or more, got {self.seed}."
+            raise InputError(msg)
         for name in ("min_rectangularity", "max_shadow"):
             if not 0.0 <= getattr(self, name) <= 1.0:
                 msg = f"Invalid '{name}': expected a share between 0 and 1, got {getattr(self, name)}."

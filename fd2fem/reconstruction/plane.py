@@ -73,6 +73,9 @@ def find_facade(cloud: PointCloud, *, options: ReconstructionOptions) -> FacadeP
     ReconstructionError
         If no vertical plane of at least 1 x 1 m stands out.
     """
+    if len(cloud) < MIN_POINTS:
+        msg = f"No wall found: the scan has {len(cloud)} points, expected at least {MIN_POINTS}."
+        raise ReconstructionError(msg)
     centre = np.median(cloud.points, axis=0)
     points = cloud.points - centre
     scanners = cloud.scanners - centre

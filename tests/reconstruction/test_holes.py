@@ -103,7 +103,7 @@ def test_without_the_scanner_equation_1_alone_decides():
 def test_rays_cross_the_wall_where_similar_triangles_say():
     cloud, low, high = panel_scene(scanner=True)
     points = find_facade(cloud, options=OPTIONS)
-    shadow = ray_evidence(points).shadow + points.frame.origin[[0, 2]]
+    shadow = ray_evidence(points).shadow[0] + points.frame.origin[[0, 2]]
     assert shadow.min(axis=0) == pytest.approx(low, abs=0.02)
     assert shadow.max(axis=0) == pytest.approx(high, abs=0.04)
 

@@ -161,3 +161,36 @@ def test_wall_that_nearly_matches_the_chosen_one_is_reported():
     other = wall + np.array([9.0, 1.0, 0.0])
     found = find_facade(PointCloud(np.concatenate([wall, other]), "two"), options=OPTIONS)
     assert any(warning.startswith("Another wall spans") for warning in found.warnings)
+
+
+def test_wall_that_the_scanner_faces_wins_over_a_larger_one():
+    wall = cleaned_cloud(HOUSE, 0.03)
+    rng = np.random.default_rng(3)
+    x, z = rng.uniform(7.0, 14.0, 56_000), rng.uniform(0.0, 7.0, 56_000)
+    blank = np.column_stack([x, np.full(56_000, 0.4), z])
+    cloud = PointCloud(np.concatenate([wall.points, blank]), "street", scanners=wall.scanners)
+    found = find_facade(cloud, options=OPTIONS)
+    assert np.ptp(found.xz, axis=0) == pytest.approx([6.0, 5.0], abs=0.1)
+
+
+def test_blinds_behind_the_openings_are_not_the_wall():
+    windows = [(0.3, 0.3, 2.6, 2.1), (3.1, 0.3, 2.6, 2.1), (0.3, 2.7, 2.6, 2.1), (3.1, 2.7, 2.6, 2.1)]
+    wall = cleaned_cloud(facade_of(6.0, 5.0, windows), 0.03)
+    rng = np.random.default_rng(4)
+    blinds = []
+    for x, z, width, height in windows:
+        count = int(width * height / 0.03**2)
+        across, up = rng.uniform(x, x + width, count), rng.uniform(z, z + height, count)
+        blinds.append(np.column_stack([across, np.full(count, 0.15), up]))
+    cloud = PointCloud(np.concatenate([wall.points, *blinds]), "blinds", scanners=wall.scanners)
+    found = find_facade(cloud, options=OPTIONS)
+    assert abs(found.frame.origin[1]) < 0.01
+
+
+def test_origin_near_the_wall_stands_for_the_scanner():
+    # The same wall from the other side of the origin is seen from the other side.
+    for sign in (-1.0, 1.0):
+        points = cleaned_cloud(HOUSE, 0.04).points + np.array([0.0, sign * 10.0, 0.0])
+        found = find_facade(PointCloud(points, "local"), options=OPTIONS)
+        assert found.outside_by.startswith("the origin")
+        assert found.frame.axes[1] == pytest.approx([0.0, sign, 0.0], abs=1e-3)
