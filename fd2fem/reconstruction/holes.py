@@ -22,8 +22,6 @@ IntArray = NDArray[np.intp]
 
 SMALLEST = 0.25
 """Gaps smaller than this share of the smallest opening's area are not holes but missed points."""
-
-
 RAY_CELL = 3.0
 """Edge of the cells that rays are counted in, in point spacings."""
 EDGE_SHOWN = 0.2
