@@ -348,7 +348,8 @@ def test_empty_reference_is_not_ignored(scan, tmp_path, capsys):
     assert "empty" in capsys.readouterr().err
 
 
-def test_stdout_stays_clean_of_other_programs(tmp_path, capfd):
-    (tmp_path / "text.step").write_text("not a solid")
+@pytest.mark.parametrize("text", ["not a solid", "ISO-10303-21;\nHEADER;\ncut off"])
+def test_stdout_stays_clean_of_other_programs(text, tmp_path, capfd):
+    (tmp_path / "text.step").write_text(text)
     assert call("mesh", tmp_path / "text.step", "-o", tmp_path / "m.msh", "--quiet") == 2
     assert capfd.readouterr().out == ""

@@ -75,8 +75,9 @@ def mesh_step(path: Path, *, options: MeshOptions = DEFAULT_OPTIONS) -> VolumeMe
 
 def _import_solid(gmsh: ModuleType, path: Path) -> None:
     """Load the solids of a STEP file and let those that touch share their faces."""
-    # OpenCASCADE writes to stdout about anything else.
-    if not path.is_file() or b"ISO-10303-21" not in path.read_bytes()[:4096]:
+    # OpenCASCADE writes to stdout about anything but a whole file.
+    text = path.read_bytes()
+    if b"ISO-10303-21" not in text[:4096] or b"END-ISO-10303-21" not in text[-4096:]:
         msg = f"{path.name} is not a STEP file that can be read: export the solid again."
         raise InputError(msg)
     try:
