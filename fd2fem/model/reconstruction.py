@@ -134,6 +134,16 @@ class Hole:
         object.__setattr__(self, "points", as_array("points", self.points, (None,), dtype=np.intp))
         object.__setattr__(self, "evidence", MappingProxyType(dict(self.evidence)))
 
+    @property
+    def low(self) -> NDArray[np.float64]:
+        """Lower left corner (2,) of the rectangle, m."""
+        return np.array([self.x, self.z])
+
+    @property
+    def high(self) -> NDArray[np.float64]:
+        """Upper right corner (2,) of the rectangle, m."""
+        return np.array([self.x + self.width, self.z + self.height])
+
 
 @dataclass(frozen=True, eq=False)
 class QuadTree:

@@ -66,11 +66,6 @@ def boundary_lines(
     -------
     tuple of BoundaryLine
         First those of the wall (`hole` -1), then those of the openings by their index in `holes`.
-
-    Raises
-    ------
-    ReconstructionError
-        If the wall is too small to hold an edge.
     """
     leaf = leaf_of_points(points.xz, tree.lower[0], tree.upper[-1], tree.depth)
     xz = points.xz
@@ -80,9 +75,8 @@ def boundary_lines(
     for number, hole in enumerate(holes):
         if hole.kind is not HoleKind.OPENING:
             continue
-        corner = np.array([hole.x, hole.z])
         cluster = flood_cluster(tree, leaf, hole.points, bridge=_bridge(points, options))
-        feature = _Feature(number, cluster, corner, corner + np.array([hole.width, hole.height]))
+        feature = _Feature(number, cluster, hole.low, hole.high)
         for side in Side:
             if side is Side.BOTTOM and hole.z - ground < boundary.threshold / 2.0:
                 continue
@@ -250,9 +244,7 @@ def _position(
     if feature.hole < 0:
         clear = np.ones(len(near), dtype=bool)
         for hole in holes:
-            corner = np.array([hole.x, hole.z])
-            size = np.array([hole.width, hole.height])
-            clear &= ~((xz > corner - margin) & (xz < corner + size + margin)).all(axis=1)
+            clear &= ~((xz > hole.low - margin) & (xz < hole.high + margin)).all(axis=1)
         xz = xz[clear]
     inward, along = sign * (xz[:, axis] - level), xz[:, 1 - axis]
     offset, sigma = edge_position(inward, along, spacing=points.spacing, reach=reach)
@@ -267,8 +259,7 @@ def _free_depth(feature: _Feature, side: Side, level: float, holes: tuple[Hole, 
     for number, hole in enumerate(holes):
         if number == feature.hole:
             continue
-        low = np.array([hole.x, hole.z])
-        high = low + np.array([hole.width, hole.height])
+        low, high = hole.low, hole.high
         overlap = min(high[1 - axis], feature.high[1 - axis]) - max(low[1 - axis], feature.low[1 - axis])
         gap = (low[axis] - level) if sign > 0 else (level - high[axis])
         if feature.hole >= 0 and overlap > 0.0 and gap > 0.0:

@@ -19,6 +19,7 @@ from fd2fem.reconstruction.wall_search import (
     largest_part,
     occupied_cells,
     refine_plane,
+    robust_scatter,
     search_plane,
     thin_points,
 )
@@ -84,9 +85,10 @@ def find_facade(cloud: PointCloud, *, options: ReconstructionOptions) -> FacadeP
     on_plane, normal, rival = search_plane(thin, count, scanners, options.seed)
     on_plane, normal = refine_plane(thin, weight, on_plane, normal)
     depth = (thin - on_plane) @ normal
-    sign, outside_by = _inward_sign(thin, depth, normal, on_plane, centre)
     if len(scanners):
         sign, outside_by = _away_from(scanners, on_plane, normal), "the scanner's position"
+    else:
+        sign, outside_by = _inward_sign(thin, depth, normal, on_plane, centre)
     shift = face_before(thin, weight, sign * depth, normal)
     if shift:
         on_plane, normal = refine_plane(thin, weight, on_plane + sign * shift * normal, normal)
@@ -149,7 +151,7 @@ def _settle(points: FloatArray, frame: FacadeFrame) -> FacadeFrame:
             break
         wall = local[near[largest_part(local[near][:, [0, 2]])]]
         middle = np.median(wall[:, 1])
-        scatter = 1.4826 * float(np.median(np.abs(wall[:, 1] - middle)))
+        scatter = robust_scatter(wall[:, 1])
         wall = wall[np.abs(wall[:, 1] - middle) < max(3.0 * scatter, 1e-4)]
         on_plane = wall.mean(axis=0)
         normal = np.linalg.eigh(np.cov((wall - on_plane).T))[1][:, 0]
@@ -195,8 +197,7 @@ def _sort_points(
     """Sort all points into on the wall, in front of it and behind it."""
     local = frame.to_facade(cloud.points)
     depth = local[:, 1]
-    near = np.abs(depth) < NEAR_PLANE
-    scatter = 1.4826 * float(np.median(np.abs(depth[near] - np.median(depth[near]))))
+    scatter = robust_scatter(depth[np.abs(depth) < NEAR_PLANE])
     band = float(np.clip(4.0 * scatter, 0.015, 0.06)) if options.wall_band is None else options.wall_band
     on_wall = np.flatnonzero(np.abs(depth) < band)
     on_wall = on_wall[largest_part(local[on_wall][:, [0, 2]])]

@@ -26,6 +26,7 @@ __all__ = [
     "largest_part",
     "occupied_cells",
     "refine_plane",
+    "robust_scatter",
     "search_plane",
     "thin_points",
 ]
@@ -58,6 +59,17 @@ MIN_WALL = 1.0
 """Smallest length and height of a wall, m."""
 MIN_POINTS = 30
 """Fewest points that show a wall, or the pavement before it."""
+
+
+def robust_scatter(values: FloatArray) -> float:
+    """Standard deviation of normal values, from the median absolute deviation: outliers hardly count.
+
+    Examples
+    --------
+    >>> robust_scatter(np.array([-1.0, 0.0, 1.0, 2.0, 99.0]))
+    1.4826
+    """
+    return 1.4826 * float(np.median(np.abs(values - np.median(values))))
 
 
 def thin_points(points: FloatArray, cell: float) -> NDArray[np.intp]:
@@ -210,7 +222,7 @@ def refine_plane(
         near = np.abs(distance) < NEAR_PLANE
         if near.sum() < 3:
             break
-        scatter = 1.4826 * np.median(np.abs(distance[near] - np.median(distance[near])))
+        scatter = robust_scatter(distance[near])
         near &= np.abs(distance - np.median(distance[near])) < max(4.0 * scatter, 0.1 * NEAR_PLANE)
         chosen, share = points[near], weight[near] / weight[near].sum()
         on_plane = share @ chosen
