@@ -65,9 +65,11 @@ STEP_SUFFIXES = {".step", ".stp"}
 def load_cloud(
     paths: Sequence[Path], *, units: Units = Units.AUTO, scanners: Sequence[Sequence[float]] = ()
 ) -> PointCloud:
-    """Read one or more scans; `scanners` (world frame, m) replaces the positions that the files hold."""
-    cloud = read_scans(paths, units=units)
-    return replace(cloud, scanners=np.array(scanners, dtype=np.float64)) if len(scanners) else cloud
+    """Read one or more scans; `scanners` (world frame, m) replaces the positions that the files hold.
+
+    As many as there are scans or files, they belong to one each; a single one to all.
+    """
+    return read_scans(paths, units=units, scanners=scanners)
 
 
 def load_facade(name: str) -> Facade:

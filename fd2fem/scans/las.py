@@ -2,11 +2,14 @@
 
 Positions of the scanner travel in a variable length record of our own:
 
-=========== ========= =============================================
+=========== ========= ==============================================================================
 user id     record id payload
-=========== ========= =============================================
-``fd2fem``  1         UTF-8 JSON, ``{"scanners": [[x, y, z], ...]}``
-=========== ========= =============================================
+=========== ========= ==============================================================================
+``fd2fem``  1         UTF-8 JSON, ``{"scanners": [[x, y, z], ...], "station": "point_source_id"}``
+=========== ========= ==============================================================================
+
+Where it has the entry ``station``, the point source ID of a point is the number of its scanner in that
+list, from 1; 0 is unknown. Other programs give that ID other meanings.
 """
 
 import json
@@ -19,6 +22,7 @@ from numpy.typing import NDArray
 
 from fd2fem.errors import InputError
 from fd2fem.model import PointCloud
+from fd2fem.scans.crs import declared_units
 from fd2fem.scans.raw import RawScan, check_finite
 
 __all__ = ["read_las", "write_las"]
@@ -29,6 +33,8 @@ SCALE = 1e-4
 """Step of the coordinates that are written, m."""
 STRONGEST = 65535
 """Intensity is an unsigned 16-bit number."""
+MOST_STATIONS = 65535
+"""The point source ID is an unsigned 16-bit number, too."""
 CHUNK = 1_000_000
 """Points decoded at a time, so that a damaged count cannot claim all memory."""
 
@@ -48,10 +54,15 @@ def read_las(path: Path) -> RawScan:
     try:
         with laspy.open(path, read_evlrs=False) as file:
             chunks = [
-                (np.column_stack((chunk.x, chunk.y, chunk.z)), np.array(chunk.intensity))
+                (
+                    np.column_stack((chunk.x, chunk.y, chunk.z)),
+                    np.array(chunk.intensity),
+                    np.array(chunk.point_source_id),
+                )
                 for chunk in file.chunk_iterator(CHUNK)
             ]
-            scanners = _scanners(path, file.header.vlrs)
+            scanners, numbered = _scanners(path, file.header.vlrs)
+            units, doubt = declared_units(path, file.header.vlrs)
             expected = file.header.point_count
     except (
         laspy.errors.LaspyException,
@@ -66,21 +77,28 @@ def read_las(path: Path) -> RawScan:
             raise
         msg = f"{path} cannot be read as LAS or LAZ, it may be cut short: {_first_line(error)}."
         raise InputError(msg) from error
-    points = np.concatenate([np.empty((0, 3)), *(xyz for xyz, _ in chunks)])
+    points = np.concatenate([np.empty((0, 3)), *(xyz for xyz, _, _ in chunks)])
     if len(points) != expected:
         msg = f"{path} is cut short: its header says {expected} points, the file holds {len(points)}."
         raise InputError(msg)
     check_finite(path, points)
-    counts = np.concatenate([np.empty(0, dtype=np.uint16), *(counts for _, counts in chunks)])
+    counts, sources = (
+        np.concatenate([np.empty(0, dtype=np.uint16), *(chunk[column] for chunk in chunks)])
+        for column in (1, 2)
+    )
     # Every LAS file has the field; writers that measured none leave it 0.
     intensity = counts / STRONGEST if counts.any() else np.empty(0)
-    return RawScan(points, intensity, scanners)
+    station = sources.astype(np.int32) - np.int32(1) if numbered else np.empty(0, dtype=np.int32)
+    if len(station) and station.max() >= len(scanners):
+        station = np.empty(0, dtype=np.int32)  # another program has numbered them anew
+    return RawScan(points, intensity, scanners, station, units=units, doubt=doubt)
 
 
 def write_las(cloud: PointCloud, path: Path) -> None:
     """Write a cloud as LAS or, where the suffix says so, as LAZ.
 
-    Coordinates are kept to 0.05 mm at any survey offset, intensity to 1/65535.
+    Coordinates are kept to 0.05 mm at any survey offset, intensity to 1/65535, the station of each point for
+    up to 65535 of them.
 
     Parameters
     ----------
@@ -111,11 +129,15 @@ def write_las(cloud: PointCloud, path: Path) -> None:
         reach = np.ptp(cloud.points, axis=0).max()
         msg = f"{path} is not written: the points are {reach:.6g} m apart, LAS at {SCALE} m holds 214 km."
         raise InputError(msg)
+    numbered = len(cloud.station) > 0 and len(cloud.scanners) <= MOST_STATIONS
     if len(cloud.scanners):
-        payload = json.dumps({"scanners": cloud.scanners.tolist()}).encode()
+        record = {"scanners": cloud.scanners.tolist()} | ({"station": "point_source_id"} if numbered else {})
+        payload = json.dumps(record).encode()
         header.vlrs.append(laspy.VLR(USER_ID, RECORD_ID, "positions of the scanner", payload))
     las = laspy.LasData(header)
     las.X, las.Y, las.Z = steps.astype(np.int32).T
+    if numbered:
+        las.point_source_id = (cloud.station + 1).astype(np.uint16)
     if len(cloud.intensity):
         las.intensity = np.rint(np.clip(cloud.intensity, 0.0, 1.0) * STRONGEST).astype(np.uint16)
     try:
@@ -151,19 +173,19 @@ def _check_header(path: Path) -> None:
         raise InputError(msg)
 
 
-def _scanners(path: Path, records: list[Any]) -> NDArray[np.float64]:
-    """Positions of the scanner from our own record, if the file has it."""
+def _scanners(path: Path, records: list[Any]) -> tuple[NDArray[np.float64], bool]:
+    """Positions of the scanner from our own record, if the file has it, and whether it numbers the points."""
     for record in records:
         if record.user_id == USER_ID and record.record_id == RECORD_ID:
             try:
-                positions = np.array(json.loads(record.record_data)["scanners"], dtype=np.float64)
-                positions = positions.reshape(-1, 3)
+                entries = json.loads(record.record_data)
+                positions = np.array(entries["scanners"], dtype=np.float64).reshape(-1, 3)
             except (ValueError, TypeError, KeyError) as error:
                 msg = f"{path}: the record of scanner positions is damaged: write the scan anew."
                 raise InputError(msg) from error
             check_finite(path, positions)
-            return positions
-    return np.empty((0, 3))
+            return positions, entries.get("station") == "point_source_id"
+    return np.empty((0, 3)), False
 
 
 def _first_line(error: Exception) -> str:

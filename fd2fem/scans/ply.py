@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fd2fem.errors import InputError
-from fd2fem.scans.raw import RawScan, as_strength, check_finite
+from fd2fem.scans.raw import RawScan, as_strength, check_finite, cut_short, float32_step
 
 __all__ = ["read_ply"]
 
@@ -84,19 +84,9 @@ def read_ply(path: Path) -> RawScan:
     points = np.column_stack([columns[name].astype(np.float64) for name in "xyz"])
     check_finite(path, points)
     strength = as_strength(path, columns[intensity]) if intensity else np.empty(0)
-    return RawScan(points, strength, step=_step(vertex, points))
-
-
-def _step(vertex: Element, points: NDArray[np.float64]) -> float:
-    """Distance between neighbouring float32 numbers at the largest coordinate; 0 if the file is finer."""
     codes = dict(vertex.properties)
-    if "f4" not in {codes[name] for name in "xyz"} or not len(points):
-        return 0.0
-    with np.errstate(over="ignore"):
-        single = points.astype(np.float32)
-    if not np.array_equal(single.astype(np.float64), points):
-        return 0.0  # a text file may say float and still spell out every digit
-    return float(np.spacing(np.abs(single).max()))
+    single = "f4" in {codes[name] for name in "xyz"}
+    return RawScan(points, strength, step=float32_step(points, declared=single))
 
 
 def _read_header(path: Path) -> Header:
@@ -172,7 +162,7 @@ def _read_binary(
     offset = header.start + sum(e.count * _record(e, header.byte_order).itemsize for e in before)
     held = max(0, path.stat().st_size - offset) // record.itemsize
     if held < vertex.count:
-        raise _cut_short(path, vertex.count, held)
+        raise cut_short(path, vertex.count, held)
     if not vertex.count:
         return {name: np.empty(0) for name in wanted}
     data = np.memmap(path, dtype=record, mode="r", offset=offset, shape=(vertex.count,))
@@ -212,9 +202,9 @@ def _read_text(
         )
     except (pd.errors.EmptyDataError, pd.errors.ParserError, ValueError) as error:
         _check_lines(path, first, vertex.count, [names.index(name) for name in wanted])
-        raise _cut_short(path, vertex.count, 0) from error
+        raise cut_short(path, vertex.count, 0) from error
     if len(table) < vertex.count:
-        raise _cut_short(path, vertex.count, len(table))
+        raise cut_short(path, vertex.count, len(table))
     columns = {name: table[name].to_numpy() for name in wanted}
     if not all(np.isfinite(column).all() for column in columns.values()):
         _check_lines(path, first, vertex.count, [names.index(name) for name in wanted])
@@ -237,7 +227,3 @@ def _numeric(cells: list[str], columns: list[int]) -> bool:
     except (ValueError, IndexError):
         return False
     return True
-
-
-def _cut_short(path: Path, expected: int, held: int) -> InputError:
-    return InputError(f"{path} is cut short: its header says {expected} points, the file holds {held}.")

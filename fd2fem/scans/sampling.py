@@ -53,7 +53,7 @@ def resample(cloud: PointCloud, spacing: float, *, seed: int = 0) -> PointCloud:
     Returns
     -------
     PointCloud
-        The points that stay, in their order, with their intensities and the cloud's scanners.
+        The points that stay, in their order, with their intensities and stations, and the cloud's scanners.
 
     Raises
     ------
@@ -79,8 +79,16 @@ def resample(cloud: PointCloud, spacing: float, *, seed: int = 0) -> PointCloud:
     points = cloud.points[order]
     kept = np.sort(order[_select(points - points.min(axis=0), spacing)]) if len(points) else order
     intensity = cloud.intensity[kept] if len(cloud.intensity) else cloud.intensity
+    station = cloud.station[kept] if len(cloud.station) else cloud.station
     source = f"{cloud.source}, re-sampled at {1000 * spacing:g} mm, seed {seed}"
-    return PointCloud(cloud.points[kept], source=source, intensity=intensity, scanners=cloud.scanners)
+    return PointCloud(
+        cloud.points[kept],
+        source=source,
+        intensity=intensity,
+        scanners=cloud.scanners,
+        station=station,
+        no_returns=cloud.no_returns,
+    )
 
 
 def _select(points: FloatArray, spacing: float) -> NDArray[np.intp]:

@@ -109,7 +109,8 @@ def simulate_scan(
     Returns
     -------
     PointCloud
-        World frame, with intensity and the scanner's stations. The same for the same seed.
+        World frame, with intensity, the scanner's stations and the station of each point. The same for the
+        same seed.
 
     Raises
     ------
@@ -132,12 +133,13 @@ def simulate_scan(
     check_ray_count(views, chosen.angular_step)
     target = prepare_target(facade, around)
     rng = np.random.default_rng(chosen.seed)
-    points, intensity, on_wall = [], [], 0
-    for station, view in zip(stations, views, strict=True):
+    points, intensity, numbers, on_wall = [], [], [], 0
+    for number, (station, view) in enumerate(zip(stations, views, strict=True)):
         for directions in ray_grid(view, chosen.angular_step, rng=rng):
             measured = _measure(target, station, directions=directions, options=chosen, rng=rng)
             points.append(station + measured.distance[:, None] * directions[measured.ray])
             intensity.append(measured.intensity)
+            numbers.append(np.full(len(measured.ray), number, dtype=np.int32))
             on_wall += measured.on_wall
     if on_wall == 0:
         msg = (
@@ -150,6 +152,7 @@ def simulate_scan(
         source=f"virtual scan, seed {chosen.seed}",
         intensity=np.concatenate(intensity),
         scanners=facade.frame.to_world(stations),
+        station=np.concatenate(numbers),
     )
 
 

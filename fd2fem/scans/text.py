@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fd2fem.errors import InputError
-from fd2fem.scans.raw import RawScan, as_strength
+from fd2fem.scans.raw import RawScan, as_strength, float32_step
 
 __all__ = ["read_text"]
 
@@ -63,7 +63,8 @@ def read_text(path: Path) -> RawScan:
     if not np.isfinite(table[:, :3]).all():
         raise _bad_line(path, layout)
     strength = as_strength(path, table[:, 3]) if len(layout.columns) > 3 else np.empty(0)
-    return RawScan(np.ascontiguousarray(table[:, :3]), strength)
+    points = np.ascontiguousarray(table[:, :3])
+    return RawScan(points, strength, step=float32_step(points))
 
 
 def _read_table(path: Path, layout: Layout, comments: list[int]) -> NDArray[np.float64]:

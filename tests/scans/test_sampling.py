@@ -14,7 +14,15 @@ from fd2fem.scans.sampling import Density, resample, resample_to
 def square(count, *, side=1.0, seed=3, offset=(0.0, 0.0, 0.0)):
     rng = np.random.default_rng(seed)
     points = np.column_stack([side * rng.random(count), np.zeros(count), side * rng.random(count)])
-    return PointCloud(points + offset, "square", intensity=rng.random(count), scanners=[[1, -5, 1]])
+    station = rng.integers(-1, 1, count)
+    return PointCloud(
+        points + offset,
+        "square",
+        intensity=rng.random(count),
+        scanners=[[1, -5, 1]],
+        station=station,
+        no_returns=7,
+    )
 
 
 def check_maximal(points, kept, spacing):
@@ -75,6 +83,8 @@ def test_points_keep_their_order_intensity_and_source():
     assert rows == sorted(rows)
     np.testing.assert_array_equal(kept.intensity, cloud.intensity[rows])
     np.testing.assert_array_equal(kept.scanners, cloud.scanners)
+    np.testing.assert_array_equal(kept.station, cloud.station[rows])
+    assert kept.no_returns == 7
     assert kept.source == "square, re-sampled at 50 mm, seed 9"
 
 

@@ -314,6 +314,12 @@ def test_two_stations_each_scan_the_wall():
     ]
     assert len(both) == pytest.approx(sum(counts), rel=0.02)
     np.testing.assert_allclose(both.scanners, options.stations)
+    # Seen from its own station a point is on the grid of rays, which has few elevations.
+    for number, station in enumerate(options.stations):
+        for own in (True, False):
+            seen = angles(both.points[(both.station == number) == own], np.array(station))[1]
+            elevations = np.unique(seen.round(6))
+            assert (len(elevations) < 0.05 * len(seen)) == own
 
 
 def test_nothing_returns_from_beyond_the_range():
