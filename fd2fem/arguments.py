@@ -13,6 +13,7 @@ AT_FAULT = 2
 """Exit code for bad input, wrong words included."""
 
 
+UNITS = ("auto", "m", "cm", "mm", "ft", "us-ft", "in")
 FACADE_HELP = "facade.json, TOML or DXF drawing, STEP solid, or building1, building2, building3"
 CONFIG_HELP = "settings: sections reconstruction, solid, mesh, material, settlement, analysis, comparison"
 
@@ -87,7 +88,11 @@ def build_parser() -> argparse.ArgumentParser:
 
 def _scan_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "scans", type=Path, nargs="+", metavar="SCAN", help="LAS, LAZ, PLY, XYZ, CSV or TXT file"
+        "scans",
+        type=Path,
+        nargs="+",
+        metavar="SCAN",
+        help="LAS, LAZ, E57, PLY, PCD, PTS, PTX, XYZ, CSV or TXT file",
     )
     parser.add_argument(
         "--scanner",
@@ -95,10 +100,14 @@ def _scan_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="X,Y,Z",
-        help="position of the scanner, world coordinates in m; repeat for several stations",
+        help="position of the scanner, world coordinates in m; for several, one per scan or file in order",
     )
+    parser.add_argument("--units", choices=UNITS, default="auto", help="of the scan (default auto)")
     parser.add_argument(
-        "--units", choices=["auto", "m", "mm"], default="auto", help="of the scan (default auto)"
+        "--wall",
+        type=int,
+        metavar="N",
+        help="which wall of the scan, from 1, as facade.json lists them (default 1, the one that stands out)",
     )
     parser.add_argument("--config", type=Path, metavar="C.toml", help=CONFIG_HELP)
     parser.add_argument(

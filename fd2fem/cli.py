@@ -117,9 +117,14 @@ def _progress(args: argparse.Namespace) -> Callable[[str], None]:
 
 
 def _options(args: argparse.Namespace) -> "PipelineOptions":
+    from dataclasses import replace
+
     from fd2fem.config import PipelineOptions, read_options
 
-    return read_options(args.config) if getattr(args, "config", None) else PipelineOptions()
+    options = read_options(args.config) if getattr(args, "config", None) else PipelineOptions()
+    if getattr(args, "wall", None) is not None:
+        options = replace(options, reconstruction=replace(options.reconstruction, wall=args.wall))
+    return options
 
 
 def _cloud(args: argparse.Namespace) -> PointCloud:

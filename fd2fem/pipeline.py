@@ -246,7 +246,11 @@ def _reference(facade: Facade, folder: Path, options: PipelineOptions) -> Model:
 
 def facade_voxels(facade: Facade, *, options: PipelineOptions) -> VoxelModel:
     """The voxels of a facade that was read from a file."""
-    return voxelise(facade, max_size=options.reconstruction.voxel_limit)
+    return voxelise(
+        facade,
+        max_size=options.reconstruction.voxel_limit,
+        tolerance=options.reconstruction.voxel_tolerance,
+    )
 
 
 def load_mesh(name: str, *, options: PipelineOptions) -> VolumeMesh:

@@ -2,9 +2,18 @@
 
 import numpy as np
 
-from fd2fem.model import Facade, FacadeFrame, Opening, OpeningKind, PointCloud, rectangle
+from fd2fem.model import (
+    Facade,
+    FacadeFrame,
+    Hole,
+    HoleKind,
+    Opening,
+    OpeningKind,
+    PointCloud,
+    rectangle,
+)
 
-__all__ = ["cleaned_cloud", "facade_of", "survey_frame", "wall_points"]
+__all__ = ["cleaned_cloud", "facade_of", "sketch", "survey_frame", "wall_points"]
 
 
 def facade_of(length, height, rectangles, *, thickness=0.35):
@@ -48,3 +57,20 @@ def cleaned_cloud(facade, spacing, *, pattern="random", seed=0, frame=None, nois
     depth = np.random.default_rng(seed + 1).normal(0.0, noise, len(xz))
     scanner = frame.to_world([[facade.length / 2, -10.0, 1.6]])
     return PointCloud(frame.to_world(np.insert(xz, 1, depth, axis=1)), f"synthetic {seed}", scanners=scanner)
+
+
+def sketch(x, z, width, height, *, kind=HoleKind.OPENING, unseen=None):
+    """A hole with nothing but its rectangle."""
+    return Hole(
+        loop=rectangle(x, z, width, height),
+        points=np.arange(3),
+        kind=kind,
+        reason="drawn",
+        x=x,
+        z=z,
+        width=width,
+        height=height,
+        area=width * height,
+        confidence=1.0,
+        unseen=unseen or {},
+    )

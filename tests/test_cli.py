@@ -70,7 +70,7 @@ def test_run_ends_with_a_verdict_and_every_result(scan, drawing, tmp_path, capsy
     for name in ("facade.json", "facade.step", "facade.anf", "facade_apdl.inp", "mesh.msh", "response.json"):
         assert name in names
     assert {"response.vtu", "comparison.json", "report.html", "reference/response.json"} <= set(names)
-    assert sum(name.endswith(".png") for name in names) == 9
+    assert sum(name.endswith(".png") for name in names) == 10
     # The wall's thickness is that of the drawing: a scan of the outside does not show it.
     assert json.loads((out / "facade.json").read_text())["thickness"] == 0.4
     assert meshio.read(out / "response.vtu").point_data["displacement"].shape[1] == 3

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from fd2fem.model.checks import as_array, as_points, as_ring
 from fd2fem.model.facade import Facade
 from fd2fem.model.frame import FacadePoints
+from fd2fem.model.rays import RayMap
+from fd2fem.model.spacing import SpacingGrid
 
 __all__ = [
     "Boundary",
@@ -62,17 +64,30 @@ class Boundary:
     Attributes
     ----------
     threshold : float, m
-        Longest edge expected inside a fully scanned wall.
+        Longest edge expected inside a fully scanned wall: the median over it.
     points : (b,) int array
         Sorted indices of the boundary points into the wall's points.
     triangles : (t, 3) int array
-        The triangles with an edge longer than the threshold; indices into the wall's points.
+        The triangles with an edge longer than the threshold where they lie; indices into the wall's points.
     hole_of_triangle : (t,) int array
-        The cluster that each of them belongs to, from 0; -1 along the border of the triangulation.
+        The cluster that each of them belongs to, from 0, the largest first; -1 along the border of the
+        triangulation.
     outer : (h,) int array
         Sorted indices of the points on the border of the triangulation and of its long triangles there.
     edge_lengths : (e,) float array, m
-        The distribution that the threshold comes from.
+        The distribution that the thresholds come from: edges of triangles over patches all over the wall.
+    threshold_of_triangle : (t,) float array, m
+        The threshold where each triangle lies; by default the same everywhere.
+    border_length : (c,) float array, m
+        How much of each cluster's outline lies on the border of the triangulation or on the triangles along
+        it: 0 for a hole within the wall; a door's or a notch's width. By default all 0.
+    min_opening : float, m
+        Smallest opening that the points can show: that of the options, or more where they are too sparse.
+        0 if unknown.
+    spacing : SpacingGrid or None
+        The local point spacing, where it was measured.
+    warnings : tuple of str
+        What the user should know of the density of the points.
     """
 
     threshold: float
@@ -81,17 +96,35 @@ class Boundary:
     hole_of_triangle: NDArray[np.intp]
     outer: NDArray[np.intp]
     edge_lengths: NDArray[np.float64]
+    threshold_of_triangle: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+    border_length: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+    min_opening: float = 0.0
+    spacing: SpacingGrid | None = None
+    warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "points", as_array("points", self.points, (None,), dtype=np.intp))
-        object.__setattr__(self, "triangles", as_array("triangles", self.triangles, (None, 3), dtype=np.intp))
-        object.__setattr__(
-            self,
-            "hole_of_triangle",
-            as_array("hole_of_triangle", self.hole_of_triangle, (len(self.triangles),), dtype=np.intp),
-        )
-        object.__setattr__(self, "outer", as_array("outer", self.outer, (None,), dtype=np.intp))
-        object.__setattr__(self, "edge_lengths", as_array("edge_lengths", self.edge_lengths, (None,)))
+        count = len(self.triangles)
+        clusters = int(np.max(self.hole_of_triangle, initial=-1)) + 1
+        local = self.threshold_of_triangle if len(self.threshold_of_triangle) else [self.threshold] * count
+        border = self.border_length if len(self.border_length) else [0.0] * clusters
+        for name, values, shape, dtype in (
+            ("points", self.points, (None,), np.intp),
+            ("triangles", self.triangles, (None, 3), np.intp),
+            ("hole_of_triangle", self.hole_of_triangle, (count,), np.intp),
+            ("outer", self.outer, (None,), np.intp),
+            ("edge_lengths", self.edge_lengths, (None,), np.float64),
+            ("threshold_of_triangle", local, (count,), np.float64),
+            ("border_length", border, (clusters,), np.float64),
+        ):
+            object.__setattr__(self, name, as_array(name, values, shape, dtype=dtype))
+
+    @property
+    def open_clusters(self) -> NDArray[np.intp]:
+        """Numbers of the clusters that are open to the outside: doors at the foot, notches of the outline.
+
+        Their share of the border is wider than the threshold, so that one gap between points does not count.
+        """
+        return np.flatnonzero(self.border_length > self.threshold)
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +148,8 @@ class Hole:
         Of the verdict, between 0 and 1.
     evidence : mapping
         The figures behind the verdict; JSON values.
+    unseen : mapping of Side to (float, float), m
+        Edges that lie in shadow: the interval that each may lie in.
     """
 
     loop: NDArray[np.float64]
@@ -128,11 +163,13 @@ class Hole:
     area: float
     confidence: float
     evidence: Mapping[str, Any] = field(default_factory=dict)
+    unseen: Mapping[Side, tuple[float, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "loop", as_ring("loop", self.loop))
         object.__setattr__(self, "points", as_array("points", self.points, (None,), dtype=np.intp))
         object.__setattr__(self, "evidence", MappingProxyType(dict(self.evidence)))
+        object.__setattr__(self, "unseen", MappingProxyType(dict(self.unseen)))
 
     @property
     def low(self) -> NDArray[np.float64]:
@@ -176,7 +213,7 @@ class QuadTree:
 
 @dataclass(frozen=True, eq=False)
 class BoundaryLine:
-    """A straight edge of the wall (`hole` = -1) or of an opening (figure 8).
+    """A straight edge of an opening (figure 8).
 
     Attributes
     ----------
@@ -186,7 +223,7 @@ class BoundaryLine:
         Indices of these points into the wall's points.
     side : Side
     hole : int
-        Index of the hole, -1 for the wall itself.
+        Index of the hole.
     position : float, m
         x of a vertical edge, z of a horizontal one, freed from the bias of the sampling.
     sigma : float, m
@@ -245,6 +282,7 @@ class Reconstruction:
 
     points: FacadePoints
     boundary: Boundary
+    rays: RayMap
     holes: tuple[Hole, ...]
     quadtree: QuadTree
     lines: tuple[BoundaryLine, ...]

@@ -1,5 +1,6 @@
 """From boundary lines to the facade: its own frame, closed rings, filled occlusions."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 
 from fd2fem.errors import InputError, ReconstructionError
 from fd2fem.model import (
+    Boundary,
     BoundaryLine,
     EdgeSigma,
     Facade,
@@ -17,63 +19,87 @@ from fd2fem.model import (
     HoleKind,
     Opening,
     OpeningKind,
-    QuadTree,
+    RayMap,
     Side,
     number_by_rows,
     rectangle,
 )
+from fd2fem.reconstruction.completion import Draft, complete_edges
 from fd2fem.reconstruction.options import ReconstructionOptions
+from fd2fem.reconstruction.outline import WallOutline
 
-__all__ = ["assemble_facade", "complete_sills", "move_to_corner"]
+__all__ = ["assemble_facade", "draft_openings", "move_to_corner"]
 
-ALIKE = 0.1
-"""Openings are alike whose heads differ by less, m, and whose widths by a smaller share."""
-HIDDEN_SIGMA = 0.05
-"""Standard error of a sill that was not seen, m."""
-Lines = tuple[BoundaryLine, ...]
+FloatArray = NDArray[np.float64]
 Holes = tuple[Hole, ...]
 
 
 def move_to_corner(
-    points: FacadePoints, holes: Holes, tree: QuadTree, lines: Lines
-) -> tuple[FacadePoints, Holes, QuadTree, Lines]:
-    """Shift all records into the facade frame, whose origin is the wall's lower left corner."""
-    wall = {line.side: line.position for line in lines if line.hole < 0}
-    corner = np.array([wall[Side.LEFT], wall[Side.BOTTOM]])
-    away = np.insert(corner, 1, 0.0)
-    moved_points = replace(
-        points,
-        xz=points.xz - corner,
-        front=points.front - away,
-        behind=points.behind - away,
-        scanners=points.scanners - away,
-        frame=points.frame.moved(*corner),
-        ground=None if points.ground is None else points.ground - float(corner[1]),
+    points: FacadePoints, boundary: Boundary, rays: RayMap, outline: WallOutline
+) -> tuple[FacadePoints, Boundary, RayMap, WallOutline]:
+    """Shift the records so that the wall's lower left corner is the origin of the facade frame."""
+    corner = outline.ring.min(axis=0)
+    spacing = boundary.spacing
+    if spacing is not None:
+        spacing = replace(spacing, origin=spacing.origin - corner)
+    return (
+        points.moved(*corner.tolist()),
+        replace(boundary, spacing=spacing),
+        replace(rays, low=rays.low - corner),
+        replace(outline, ring=outline.ring - corner),
     )
-    moved_holes = tuple(
-        replace(hole, loop=hole.loop - corner, x=hole.x - float(corner[0]), z=hole.z - float(corner[1]))
-        for hole in holes
-    )
-    moved_tree = replace(tree, lower=tree.lower - corner, upper=tree.upper - corner)
-    return moved_points, moved_holes, moved_tree, tuple(_moved_line(line, corner) for line in lines)
 
 
-def _moved_line(line: BoundaryLine, corner: NDArray[np.float64]) -> BoundaryLine:
-    shift = float(corner[0] if line.side.vertical else corner[1])
-    return replace(line, start=line.start - corner, end=line.end - corner, position=line.position - shift)
+def draft_openings(holes: Holes, lines: Sequence[BoundaryLine]) -> list[Draft]:
+    """Put the lines of each opening together, and complete the edges that lie in shadow.
+
+    Parameters
+    ----------
+    holes : tuple of Hole
+    lines : sequence of BoundaryLine
+    """
+    drafts = [
+        _draft(number, hole, {line.side: line for line in lines if line.hole == number})
+        for number, hole in enumerate(holes)
+        if hole.kind is HoleKind.OPENING
+    ]
+    return complete_edges(drafts)
+
+
+def _draft(number: int, hole: Hole, edges: Mapping[Side, BoundaryLine]) -> Draft:
+    """An opening from its lines; the ground closes a door's, and rough edges stand for hidden ones."""
+    rough = dict(zip((Side.LEFT, Side.BOTTOM, Side.RIGHT, Side.TOP), (*hole.low, *hole.high), strict=True))
+    position = {side: edges[side].position if side in edges else float(rough[side]) for side in Side}
+    sigma = {side: edges[side].sigma if side in edges else 0.0 for side in Side}
+    door = Side.BOTTOM not in edges and (Side.BOTTOM not in hole.unseen or hole.unseen[Side.BOTTOM][0] <= 0.0)
+    if door:
+        position[Side.BOTTOM] = 0.0
+    for low, high in ((Side.LEFT, Side.RIGHT), (Side.BOTTOM, Side.TOP)):
+        if position[low] >= position[high]:
+            # Edges that hardly show can come out anywhere: the rough ones stand for both.
+            for side in (low, high):
+                sigma[side] = max(abs(position[side] - rough[side]), sigma[side])
+                position[side] = float(rough[side])
+    return Draft(number, hole, position, sigma, door)
 
 
 def assemble_facade(
-    points: FacadePoints, holes: Holes, lines: Lines, *, options: ReconstructionOptions
+    points: FacadePoints,
+    outline: WallOutline,
+    drafts: Sequence[Draft],
+    occlusions: Sequence[Hole],
+    *,
+    options: ReconstructionOptions,
 ) -> Facade:
-    """Close the lines into rings and fill the occlusions.
+    """Close the openings into rings and fill the occlusions.
 
     Parameters
     ----------
     points : FacadePoints
-    holes : tuple of Hole
-    lines : tuple of BoundaryLine
-        All of these in the facade frame.
+    outline : WallOutline
+        Its bounding box starts at (0, 0).
+    drafts : sequence of Draft
+    occlusions : sequence of Hole
     options : ReconstructionOptions
 
     Raises
@@ -81,19 +107,13 @@ def assemble_facade(
     ReconstructionError
         If the lines of an opening cross, or openings touch.
     """
-    wall = {line.side: line.position for line in lines if line.hole < 0}
-    outline = rectangle(0.0, 0.0, wall[Side.RIGHT], wall[Side.TOP])
-    openings = [
-        _opening(hole, {line.side: line for line in lines if line.hole == number})
-        for number, hole in enumerate(holes)
-        if hole.kind is HoleKind.OPENING
-    ]
-    filled = [_filled(hole, outline) for hole in holes if hole.kind is HoleKind.OCCLUSION]
+    openings = [_opening(draft) for draft in drafts]
+    filled = [_filled(hole, outline.ring) for hole in occlusions]
     try:
         return Facade(
-            outline,
+            outline.ring,
             options.thickness,
-            number_by_rows(complete_sills(openings, options=options)),
+            number_by_rows(openings),
             tuple(hole for hole in filled if hole is not None),
             points.frame,
         )
@@ -102,67 +122,32 @@ def assemble_facade(
         raise ReconstructionError(msg) from error
 
 
-def complete_sills(openings: list[Opening], *, options: ReconstructionOptions) -> list[Opening]:
-    """Give hidden sills the height of those of like openings.
-
-    An opening whose foot lies in shadow may be a window or a door. If its width and head are those of two
-    windows or more, it is one of their row.
-
-    Parameters
-    ----------
-    openings : list of Opening
-    options : ReconstructionOptions
-    """
-    completed = []
-    for opening in openings:
-        like = [
-            other
-            for other in openings
-            if other.kind is OpeningKind.WINDOW
-            and abs(other.width - opening.width) < ALIKE * opening.width
-            and abs(other.z + other.height - opening.z - opening.height) < ALIKE
-        ]
-        hidden = opening.evidence.get("foot_in_shadow", 0.0) > options.max_shadow
-        if opening.kind is OpeningKind.DOOR and hidden and len(like) >= 2:
-            sills = np.array([other.z for other in like])
-            outline = np.maximum(opening.outline, [-np.inf, float(np.median(sills))])
-            completed.append(
-                replace(
-                    opening,
-                    kind=OpeningKind.WINDOW,
-                    outline=outline,
-                    sigma=replace(opening.sigma, bottom=float(max(np.std(sills), HIDDEN_SIGMA))),
-                    evidence={**opening.evidence, "sill": f"hidden; taken from {len(like)} openings like it"},
-                )
-            )
-        else:
-            completed.append(opening)
-    return completed
-
-
-def _opening(hole: Hole, edges: dict[Side, BoundaryLine]) -> Opening:
-    """An opening from its three or four lines; the ground closes a door's."""
-    left, right, top = (edges[side].position for side in (Side.LEFT, Side.RIGHT, Side.TOP))
-    bottom = edges[Side.BOTTOM].position if Side.BOTTOM in edges else 0.0
+def _opening(draft: Draft) -> Opening:
+    """A finished opening."""
+    hole = draft.hole
+    left, right, bottom, top = (draft.position[side] for side in Side)
     if right <= left or top <= bottom:
         msg = (
             f"The lines of the hole at x = {hole.x:.2f}, z = {hole.z:.2f} m cross: its edges do not show; "
             "scan more densely there."
         )
         raise ReconstructionError(msg)
+    evidence = {"verdict": hole.reason, "shape": draft.shape, **hole.evidence}
+    if draft.notes:
+        evidence["hidden_edges"] = {side.value: note for side, note in draft.notes.items()}
     return Opening(
         id=0,
-        kind=OpeningKind.WINDOW if Side.BOTTOM in edges else OpeningKind.DOOR,
-        outline=rectangle(left, bottom, right - left, top - bottom),
+        kind=OpeningKind.DOOR if draft.door else OpeningKind.WINDOW,
+        outline=rectangle(left, bottom, right - left, top - bottom) if draft.ring is None else draft.ring,
         confidence=round(hole.confidence, 3),
-        evidence={"verdict": hole.reason, **hole.evidence},
-        sigma=EdgeSigma(**{side.value: line.sigma for side, line in edges.items()}),
+        evidence=evidence,
+        sigma=EdgeSigma(**{side.value: draft.sigma[side] for side in Side}),
     )
 
 
-def _filled(hole: Hole, outline: NDArray[np.float64]) -> FilledHole | None:
+def _filled(hole: Hole, ring: FloatArray) -> FilledHole | None:
     """The largest part of an occlusion that lies on the wall."""
-    on_wall = shapely.Polygon(hole.loop).intersection(shapely.Polygon(outline))
+    on_wall = shapely.Polygon(hole.loop).intersection(shapely.Polygon(ring))
     pieces = [piece for piece in getattr(on_wall, "geoms", [on_wall]) if isinstance(piece, shapely.Polygon)]
     pieces = [piece for piece in pieces if piece.area > 0.0]
     if not pieces:

@@ -1,5 +1,8 @@
 """Step 2: re-voxelisation along the boundary lines, and the flying-voxel tests (figures 9 and 10).
 
+Upright and level lines cut the voxels that they cross in two. A line that is neither, the chord of an arch or
+the slope of a gable, has the voxels that it crosses divided into four again and again, until they are small.
+
 A voxel's centre "flies" along straight segments. The first set (LS1) leads to the four sides of the bounding
 box: the voxel lies outside the wall when they cross its outline an even number of times. The paper asks for
 no crossing at all, which fails in a notch, where the centre sees the wall sideways; parity is what Jordan's
@@ -16,15 +19,18 @@ from numpy.typing import NDArray
 
 from fd2fem.errors import InputError
 from fd2fem.model import CellState, Facade, VoxelModel
+from fd2fem.model.checks import check_positive
 from fd2fem.reconstruction.quadtree import divide
 
-__all__ = ["Case", "crossings", "fly", "revoxelise", "voxelise"]
+__all__ = ["Case", "crossings", "fly", "refine", "revoxelise", "voxelise"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
 COINCIDE = 1e-6
 """A line closer than this to a voxel's side coincides with it, m."""
+MOST = 4e6
+"""Voxels at the most along slanted lines."""
 
 
 class Case(IntEnum):
@@ -35,37 +41,108 @@ class Case(IntEnum):
     IN_WALL = 3
 
 
-def voxelise(facade: Facade, *, max_size: float) -> VoxelModel:
+def voxelise(facade: Facade, *, max_size: float, tolerance: float = 0.02) -> VoxelModel:
     """Divide a facade into voxels along its boundary lines and tell the full ones from the empty ones.
 
     Parameters
     ----------
     facade : Facade
-        With horizontal and vertical edges only.
     max_size : float, m
         Largest voxel.
+    tolerance : float, m
+        Largest voxel across a slanted or curved edge: the steps in which the voxels follow it.
 
     Returns
     -------
     VoxelModel
-        Its full voxels fill the wall exactly.
+        With upright and level edges only, its full voxels fill the wall exactly. Along the others they keep
+        within half of a voxel's diagonal of the edge, so that its area is off by less than 0.71 x tolerance x
+        the length of such edges; as the steps lie now inside, now outside, by far less: under 0.1 % of the
+        wall, and of each arched opening, at the default.
 
     Raises
     ------
     InputError
-        If an edge is slanted: rectangular voxels cannot follow it.
+        If `tolerance` asks for too many voxels.
     """
     rings = [facade.outline, *(opening.outline for opening in facade.openings)]
-    for number, ring in enumerate(rings):
-        if np.min(np.abs(np.roll(ring, -1, axis=0) - ring), axis=1).max() > COINCIDE:
-            name = f"opening {facade.openings[number - 1].id}" if number else "the wall's outline"
-            msg = f"Voxels need horizontal and vertical edges, and {name} has a slanted one."
-            raise InputError(msg)
     lower, upper, _ = divide(facade.outline.min(axis=0), facade.outline.max(axis=0), max_size=max_size)
     lower, upper = revoxelise(lower, upper, rings)
+    lower, upper = refine(lower, upper, rings, tolerance=tolerance)
     case = fly((lower + upper) / 2.0, facade.outline, tuple(opening.outline for opening in facade.openings))
     state = np.where(case == Case.IN_WALL, int(CellState.FULL), int(CellState.EMPTY))
     return VoxelModel(lower=lower, upper=upper, state=state, thickness=facade.thickness)
+
+
+def refine(
+    lower: FloatArray, upper: FloatArray, rings: list[FloatArray], *, tolerance: float
+) -> tuple[FloatArray, FloatArray]:
+    """Divide the voxels that slanted lines cross, in height and length, until both are at most `tolerance`.
+
+    Parameters
+    ----------
+    lower, upper : (v, 2) float arrays, m
+    rings : list of (k, 2) float arrays, m
+        Closed polygons; their upright and level lines divide nothing here.
+    tolerance : float, m
+
+    Returns
+    -------
+    lower, upper : (w, 2) float arrays, m
+
+    Raises
+    ------
+    InputError
+        If that makes too many voxels.
+
+    Examples
+    --------
+    >>> triangle = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 0.5]])
+    >>> low, high = refine(np.zeros((1, 2)), np.ones((1, 2)), [triangle], tolerance=0.5)
+    >>> low.tolist()
+    [[0.0, 0.0], [0.5, 0.0], [0.0, 0.5], [0.5, 0.5]]
+    """
+    check_positive("tolerance", tolerance)
+    starts, ends = np.concatenate(rings), np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
+    slanted = np.min(np.abs(ends - starts), axis=1) > COINCIDE
+    lines: NDArray[np.object_] = np.atleast_1d(
+        np.asarray(shapely.linestrings(np.stack([starts[slanted], ends[slanted]], axis=1)))
+    )
+    if 3.0 * float(shapely.length(lines).sum()) / tolerance > MOST:
+        msg = f"Voxels of {tolerance:g} m along the slanted edges are too many: take a larger tolerance."
+        raise InputError(msg)
+    done: list[tuple[FloatArray, FloatArray]] = []
+    while len(lower) and len(lines):
+        crossed = _crossed(lower, upper, lines) & ((upper - lower).max(axis=1) > tolerance + COINCIDE)
+        done.append((lower[~crossed], upper[~crossed]))
+        lower, upper = lower[crossed], upper[crossed]
+        for axis in (0, 1):
+            lower, upper = _halve(lower, upper, axis, tolerance)
+    done.append((lower, upper))
+    return np.concatenate([pair[0] for pair in done]), np.concatenate([pair[1] for pair in done])
+
+
+def _crossed(lower: FloatArray, upper: FloatArray, lines: NDArray[np.object_]) -> NDArray[np.bool_]:
+    """Whether a line passes through the inside of each voxel."""
+    inset = np.minimum((upper - lower) / 4.0, COINCIDE)
+    inside: NDArray[np.object_] = np.asarray(shapely.box(*(lower + inset).T, *(upper - inset).T))
+    _, hit = shapely.STRtree(inside).query(lines, predicate="intersects")
+    crossed = np.zeros(len(lower), dtype=bool)
+    crossed[hit] = True
+    return crossed
+
+
+def _halve(
+    lower: FloatArray, upper: FloatArray, axis: int, tolerance: float
+) -> tuple[FloatArray, FloatArray]:
+    """Halve the voxels that are longer than the tolerance along an axis."""
+    large = upper[:, axis] - lower[:, axis] > tolerance + COINCIDE
+    near_upper, far_lower = upper[large].copy(), lower[large].copy()
+    near_upper[:, axis] = far_lower[:, axis] = (lower[large, axis] + upper[large, axis]) / 2.0
+    return (
+        np.concatenate([lower[~large], lower[large], far_lower]),
+        np.concatenate([upper[~large], near_upper, upper[large]]),
+    )
 
 
 def revoxelise(
@@ -77,12 +154,12 @@ def revoxelise(
     ----------
     lower, upper : (v, 2) float arrays, m
     rings : list of (k, 2) float arrays, m
-        Closed polygons of horizontal and vertical lines.
+        Closed polygons; only their upright and level lines cut.
 
     Returns
     -------
     lower, upper : (w, 2) float arrays, m
-        No line passes through the inside of a voxel.
+        No such line passes through the inside of a voxel.
 
     Examples
     --------
@@ -91,6 +168,10 @@ def revoxelise(
     >>> low.tolist(), high.tolist()
     ([[0.0, 0.0], [0.4, 0.0]], [[0.4, 1.0], [1.0, 1.0]])
     """
+    # Only voxels on some line are cut; the many others need not be gone through line by line.
+    touched = _touched(lower, upper, rings)
+    aside = lower[~touched], upper[~touched]
+    lower, upper = lower[touched], upper[touched]
     for axis in (0, 1):
         for ring in rings:
             starts, ends = ring, np.roll(ring, -1, axis=0)
@@ -99,7 +180,17 @@ def revoxelise(
                     continue
                 low, high = sorted((start[1 - axis], end[1 - axis]))
                 lower, upper = _cut(lower, upper, axis, (start[axis] + end[axis]) / 2.0, (low, high))
-    return lower, upper
+    return np.concatenate([aside[0], lower]), np.concatenate([aside[1], upper])
+
+
+def _touched(lower: FloatArray, upper: FloatArray, rings: list[FloatArray]) -> NDArray[np.bool_]:
+    """Whether any line of the rings comes near each voxel."""
+    lines = np.asarray([shapely.linearrings(ring) for ring in rings])
+    boxes: NDArray[np.object_] = np.asarray(shapely.box(*lower.T, *upper.T))
+    _, near = shapely.STRtree(boxes).query(lines, predicate="intersects")
+    touched = np.zeros(len(lower), dtype=bool)
+    touched[near] = True
+    return touched
 
 
 def _cut(

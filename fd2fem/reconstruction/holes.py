@@ -1,155 +1,50 @@
-"""Step 1.2: what each hole is, by the histograms of its boundary points and equation 1.
+"""Step 1.2: what each gap in the wall's points is.
 
-Where the scanner's position is known, the points before the wall are thrown along their rays onto
-it: a hole that their shadow covers, and behind which nothing was seen, is an occlusion whatever its
-shape.
+The paper tells openings from occlusions by their size and shape alone. Here the rays join in: where the
+scanner stood is known, they say what hid a gap, what was seen behind it, and what returned nothing.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import shapely
+import shapely.affinity
 from numpy.typing import NDArray
 
-from fd2fem.model import Boundary, FacadePoints, Hole, HoleKind
+from fd2fem.errors import InputError
+from fd2fem.model import Boundary, FacadePoints, Hole, HoleKind, Side
 from fd2fem.reconstruction.boundary import triangle_areas
-from fd2fem.reconstruction.options import ReconstructionOptions
+from fd2fem.reconstruction.gaps import Gap, cell_middles, cells_inside, find_gaps
+from fd2fem.reconstruction.options import Override, ReconstructionOptions
+from fd2fem.reconstruction.rays import Shadows
+from fd2fem.reconstruction.sampling import points_in_box
+from fd2fem.reconstruction.verdicts import Evidence, weigh
 
-__all__ = ["RayEvidence", "classify_holes", "equation_1", "histogram_peaks", "ray_evidence"]
+__all__ = ["classify_holes"]
 
 FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
-SMALLEST = 0.25
-"""Gaps smaller than this share of the smallest opening's area are not holes but missed points."""
-RAY_CELL = 3.0
-"""Edge of the cells that rays are counted in, in point spacings."""
-EDGE_SHOWN = 0.2
-"""An edge shows when so much of a hole's extent along it is seen."""
-PEAK = 0.5
-"""Share of the highest bin from which on a bin is a peak."""
-
-
-def equation_1(height: float, length: float, *, options: ReconstructionOptions) -> str:
-    """Why a hole of this size is no opening by equation 1 of the paper, or an empty string if it may be one.
-
-    Parameters
-    ----------
-    height, length : float, m
-
-    Examples
-    --------
-    >>> equation_1(1.5, 1.0, options=ReconstructionOptions())
-    ''
-    >>> equation_1(3.0, 0.2, options=ReconstructionOptions())
-    'length 0.20 m is under 0.40 m'
-    """
-    if length < options.min_opening:
-        return f"length {length:.2f} m is under {options.min_opening:.2f} m"
-    if height < options.min_opening:
-        return f"height {height:.2f} m is under {options.min_opening:.2f} m"
-    if height / length < options.min_aspect:
-        return f"height/length {height / length:.2f} is under {options.min_aspect:.2f}"
-    if height / length > options.max_aspect:
-        return f"height/length {height / length:.2f} is over {options.max_aspect:.2f}"
-    return ""
-
-
-def histogram_peaks(
-    values: FloatArray, weights: FloatArray, *, centre: float, width: float, least: float = 0.0
-) -> tuple[float, float]:
-    """Positions of the two opposite edges of a hole: the peaks of a coordinate histogram (figure 5).
-
-    On either side of the centre it is the outermost peak that counts, a peak being at least half as high as
-    the highest. So a long edge across, whose points are spread over many bins, does not pass for one.
-
-    Parameters
-    ----------
-    values : (b,) float array, m
-        One coordinate of the hole's boundary.
-    weights : (b,) float array
-        How much of an edge lies there: points, or length along the edge.
-    centre : float, m
-        Inside the hole; one peak lies on either side of it.
-    width : float, m
-        Of a bin.
-    least : float
-        Weight below which nothing is a peak.
-
-    Returns
-    -------
-    low, high : float, m
-        Weighted medians in the peak bins; the extreme values where a side has no peak.
-
-    Examples
-    --------
-    >>> jambs = np.array([1.0, 1.0, 1.01, 1.4, 1.7, 2.0, 2.0, 1.99])
-    >>> histogram_peaks(jambs, np.ones(8), centre=1.5, width=0.05)
-    (1.0, 2.0)
-    """
-    found = []
-    for sign in (-1.0, 1.0):
-        outward = sign * (values - centre)
-        side = outward > 0
-        if not side.any():
-            found.append(float(values.min() if sign < 0 else values.max()))
-            continue
-        edges = np.arange(0.0, outward.max() + 3 * width, width)
-        count, _ = np.histogram(outward[side], edges, weights=weights[side])
-        # Pairs of bins, so that a peak that falls on a bin's edge is not halved.
-        pair = count[:-1] + count[1:]
-        if pair.max() < least:
-            found.append(float(values.min() if sign < 0 else values.max()))
-            continue
-        peak = int(np.flatnonzero(pair >= PEAK * pair.max())[-1])
-        if peak > 0 and pair[peak - 1] > pair[peak]:
-            peak -= 1
-        inside = np.flatnonzero(side & (outward >= edges[peak]) & (outward <= edges[peak + 2]))
-        order = inside[np.argsort(values[inside], kind="stable")]
-        half = np.searchsorted(np.cumsum(weights[order]), weights[order].sum() / 2.0)
-        found.append(float(values[order[min(half, len(order) - 1)]]))
-    return found[0], found[1]
-
-
-@dataclass(frozen=True, eq=False)
-class RayEvidence:
-    """Where the rays that missed the wall's plane cross it; one array for each station.
-
-    Attributes
-    ----------
-    shadow : tuple of (·, 2) float arrays, m
-        Of the points before the wall, thrown along their rays onto it.
-    seen_through : tuple of (·, 2) float arrays, m
-        Where the rays to the points behind the wall pass it.
-    """
-
-    shadow: tuple[FloatArray, ...]
-    seen_through: tuple[FloatArray, ...]
-
-
-def ray_evidence(points: FacadePoints) -> RayEvidence:
-    """Throw the points before and behind the wall along their rays onto its plane.
-
-    Without a scanner's position both are empty. With several stations, each point is thrown from all
-    of them: a joined scan does not say which one saw it, and what stands before the wall hides it from each.
-    """
-    return RayEvidence(
-        shadow=tuple(_thrown(points.front, scanner) for scanner in points.scanners),
-        seen_through=tuple(_thrown(points.behind, scanner) for scanner in points.scanners),
-    )
-
-
-def _thrown(away: FloatArray, scanner: FloatArray) -> FloatArray:
-    """Where the rays from a scanner to points cross the wall's plane, (·, 2), m."""
-    run = away[:, 1] - scanner[1]
-    usable = run > 1e-6
-    share = -scanner[1] / run[usable]
-    crossing: FloatArray = scanner[[0, 2]] + share[:, None] * (away[usable][:, [0, 2]] - scanner[[0, 2]])
-    return crossing
+ON_WALL = 0.5
+"""A gap is in the wall when more of it than this share is."""
+TOUCHING = 0.02
+"""A gap that comes so near to an end or the top of the wall, m, reaches it."""
+SHOWN = 0.3
+"""A strip that holds a smaller share of the points that it would as wall is none."""
+SHOWS = 0.1
+"""A gap shows what is behind it when so much of it was seen through."""
+SAME_SIZE = 0.1
+"""Gaps are alike whose sizes differ by a smaller share and that line up to so many metres."""
 
 
 def classify_holes(
-    points: FacadePoints, boundary: Boundary, *, options: ReconstructionOptions
+    points: FacadePoints,
+    boundary: Boundary,
+    shadows: Shadows,
+    *,
+    outline: FloatArray,
+    options: ReconstructionOptions,
 ) -> tuple[Hole, ...]:
     """Tell openings from occlusions.
 
@@ -157,145 +52,218 @@ def classify_holes(
     ----------
     points : FacadePoints
     boundary : Boundary
+    shadows : Shadows
+    outline : (k, 2) float array, m
+        Of the wall: gaps outside of it are no holes.
     options : ReconstructionOptions
 
     Returns
     -------
     tuple of Hole
         The largest first. Gaps much smaller than an opening are left out.
+
+    Raises
+    ------
+    InputError
+        If an override names a place where there is no gap.
     """
-    areas = triangle_areas(points.xz[boundary.triangles])
-    inner = boundary.hole_of_triangle >= 0
-    total = np.bincount(boundary.hole_of_triangle[inner], areas[inner])
-    rays = ray_evidence(points)
-    large = np.flatnonzero(total > SMALLEST * options.min_opening**2)
-    found = [
-        _classify(points, boundary, int(cluster), rays, options)
-        for cluster in large[np.argsort(-total[large], kind="stable")]
+    wall = shapely.Polygon(outline)
+    gaps = [
+        _to_the_ground(gap, points, boundary)
+        for gap in find_gaps(points, boundary, shadows)
+        if wall.intersection(gap.shape).area > ON_WALL * gap.shape.area
     ]
-    return tuple(_without_fragments(found, boundary.threshold))
+    loose = _loose_triangles(points, boundary)
+    evidence = _with_company(gaps, [_evidence(gap, shadows, loose) for gap in gaps], options)
+    evidence = [
+        replace(said, at_edge=_at_edge(gap, wall, points, near=1.2 * boundary.threshold))
+        for gap, said in zip(gaps, evidence, strict=True)
+    ]
+    holes = [_hole(gap, said, shadows, options) for gap, said in zip(gaps, evidence, strict=True)]
+    return _overridden(tuple(_without_fragments(holes, boundary.threshold)), options.overrides)
 
 
-def _classify(
-    points: FacadePoints, boundary: Boundary, cluster: int, rays: RayEvidence, options: ReconstructionOptions
-) -> Hole:
-    """The verdict on one cluster of long triangles."""
-    triangles = boundary.triangles[boundary.hole_of_triangle == cluster]
-    region = shapely.union_all(shapely.polygons(points.xz[triangles]))
-    pieces = [piece for piece in getattr(region, "geoms", [region]) if isinstance(piece, shapely.Polygon)]
-    shape = max(pieces, key=lambda piece: piece.area)
-    left, bottom, right, top = _rectangle(shape, boundary.threshold, points.spacing)
+def _to_the_ground(gap: Gap, points: FacadePoints, boundary: Boundary) -> Gap:
+    """A gap that is open to the ground, as a door is, reaches down to it."""
     foot = float(points.xz[:, 1].min()) if points.ground is None else points.ground
-    cell = RAY_CELL * points.spacing
-    foot_in_shadow = 0.0
-    if _open_below(points, shape, (left, right), foot, boundary.threshold):
-        bottom = foot
-        lowest = shapely.box(left, foot, right, min(foot + options.min_opening, top))
-        foot_in_shadow, _ = _share_of_cells(lowest, rays, cell=cell)
-    box = shapely.box(left, bottom, right, top)
-    filled = float(shape.intersection(box).area) + _fragments(points, boundary, cluster, box)
-    filled = min(filled / max(float(box.area), 1e-12), 1.0)
-    shadow, through = _share_of_cells(shape, rays, cell=cell)
-    against = _against(right - left, top - bottom, filled, (shadow, through), options)
-    return Hole(
-        loop=np.array(shape.exterior.coords),
-        points=np.unique(triangles),
-        kind=HoleKind.OCCLUSION if against else HoleKind.OPENING,
-        reason=against or "size, height/length and rectangularity are those of an opening (equation 1)",
-        x=left,
-        z=bottom,
-        width=right - left,
-        height=top - bottom,
-        area=float(region.area),
-        confidence=float(np.clip(filled * (1.0 - shadow * (1.0 - through)), 0.0, 1.0)),
-        evidence={
-            "aspect": round((top - bottom) / max(right - left, 1e-9), 3),
-            "rectangularity": round(filled, 3),
-            "in_shadow": round(shadow, 3),
-            "seen_through": round(through, 3),
-            "foot_in_shadow": round(foot_in_shadow, 3),
-            "scanners": len(points.scanners),
-        },
-    )
+    if not _open_below(points, gap, foot, boundary.threshold):
+        return gap
+    unseen = dict(gap.unseen)
+    if Side.BOTTOM in unseen:
+        unseen[Side.BOTTOM] = (foot, unseen[Side.BOTTOM][1])
+    return replace(gap, low=np.array([gap.low[0], foot]), unseen=unseen)
 
 
-def _fragments(points: FacadePoints, boundary: Boundary, cluster: int, box: shapely.Polygon) -> float:
-    """Area of the other clusters in a hole's rectangle, m²: its cut-off corners."""
-    corners = points.xz[boundary.triangles[boundary.hole_of_triangle != cluster]]
-    low, high = np.array(box.bounds[:2]), np.array(box.bounds[2:])
-    inside = ((corners > low) & (corners < high)).all(axis=(1, 2))
-    return float(triangle_areas(corners[inside]).sum())
-
-
-def _rectangle(shape: shapely.Polygon, threshold: float, spacing: float) -> tuple[float, float, float, float]:
-    """Left, bottom, right and top of a hole by the histograms of its boundary, m."""
-    corners = np.array(shape.exterior.coords)
-    middle, run = (corners[1:] + corners[:-1]) / 2.0, np.abs(np.diff(corners, axis=0))
-    # Longer segments bridge what is hidden, or cut a corner: no edge of the wall runs along them.
-    seen = np.hypot(run[:, 0], run[:, 1]) <= threshold
-    # The corners weigh nothing, but say how far the hole reaches where no edge shows.
-    middle = np.concatenate([middle[seen], corners])
-    run = np.concatenate([run[seen], np.zeros_like(corners)])
-    centre, least = shape.centroid, EDGE_SHOWN * np.ptp(corners, axis=0)
-    width = max(2.0 * spacing, 0.02)
-    left, right = histogram_peaks(middle[:, 0], run[:, 1], centre=centre.x, width=width, least=least[1])
-    bottom, top = histogram_peaks(middle[:, 1], run[:, 0], centre=centre.y, width=width, least=least[0])
-    return left, bottom, right, top
-
-
-def _against(
-    length: float, height: float, filled: float, rays: tuple[float, float], options: ReconstructionOptions
-) -> str:
-    """Why a hole is an occlusion, or an empty string if it is an opening."""
-    shadow, through = rays
-    reason = equation_1(height, length, options=options)
-    if reason:
-        return reason
-    if filled < options.min_rectangularity:
-        return f"fills {100 * filled:.0f} % of its rectangle, under {100 * options.min_rectangularity:.0f} %"
-    if shadow > options.max_shadow and through < 0.5 * shadow:
-        return f"{100 * shadow:.0f} % of it lies in the shadow of things before the wall"
-    return ""
-
-
-def _open_below(
-    points: FacadePoints, shape: shapely.Polygon, jambs: tuple[float, float], foot: float, threshold: float
-) -> bool:
-    """Whether a hole reaches the ground: its lowest point is near it, and no wall shows below."""
-    lowest = shape.bounds[1]
+def _open_below(points: FacadePoints, gap: Gap, foot: float, threshold: float) -> bool:
+    """Whether a gap reaches the ground: its lowest point is near it, and no wall shows below."""
+    lowest = gap.unseen.get(Side.BOTTOM, (gap.shape.bounds[1], 0.0))[0]
     if lowest - foot > 3.0 * threshold:
         return False
-    low, high = jambs[0] + threshold, jambs[1] - threshold
+    low, high = gap.low[0] + threshold, gap.high[0] - threshold
     columns = np.arange(low, high, threshold)
     if not len(columns):
         return False
-    xz = points.xz
-    below = (xz[:, 0] > low) & (xz[:, 0] < high) & (xz[:, 1] < max(lowest, foot + threshold))
-    shown = np.unique(np.floor((xz[below, 0] - low) / threshold))
+    first, last = np.searchsorted(points.xz[:, 0], [low, high])
+    xz = points.xz[first:last]
+    below = xz[xz[:, 1] < max(lowest, foot + threshold), 0]
+    shown = np.unique(np.floor((below - low) / threshold))
     # A car may hide most of the wall under a shop window; a door has none.
     return len(shown) < 0.2 * len(columns)
 
 
-def _share_of_cells(shape: shapely.Polygon, rays: RayEvidence, *, cell: float) -> tuple[float, float]:
-    """Shares of a hole's cells that are hidden from every station, and that a ray of any passed through."""
-    left, bottom, right, top = shape.bounds
-    columns = np.arange(left + cell / 2, right, cell)
-    rows = np.arange(bottom + cell / 2, top, cell)
-    inside = shapely.contains_xy(shape, *(grid.ravel() for grid in np.meshgrid(columns, rows, indexing="ij")))
-    if not inside.any() or not rays.shadow:
-        return 0.0, 0.0
+def _at_edge(gap: Gap, wall: shapely.Polygon, points: FacadePoints, *, near: float) -> bool:
+    """Whether a gap leaves the wall, or reaches its end or top with hardly any wall between."""
+    # A door may reach the ground: the wall goes on below it here.
+    below = shapely.affinity.translate(wall, yoff=-1.0)
+    inner = wall.union(below).buffer(-max(points.spacing, TOUCHING))
+    if not inner.contains(shapely.box(*gap.low, *gap.high)):
+        return True
+    (left, bottom, right, top), limits = gap.shape.bounds, wall.bounds
+    quarter = (right - left) / 4.0, (top - bottom) / 4.0
+    strips = (
+        (limits[0], bottom + quarter[1], left, top - quarter[1]),
+        (right, bottom + quarter[1], limits[2], top - quarter[1]),
+        (left + quarter[0], top, right - quarter[0], limits[3]),
+    )
+    return any(_is_bare(points, strip, near) for strip in strips)
 
-    def hit(crossing: FloatArray) -> NDArray[np.bool_]:
-        index = np.floor((crossing - [left, bottom]) / cell).astype(np.intp)
-        index = index[((index >= 0) & (index < [len(columns), len(rows)])).all(axis=1)]
-        cells = np.zeros((len(columns), len(rows)), dtype=bool)
-        cells[index[:, 0], index[:, 1]] = True
-        hits: NDArray[np.bool_] = cells.ravel()[inside]
-        return hits
 
-    hidden = np.all([hit(crossing) for crossing in rays.shadow], axis=0)
-    passed = np.any([hit(crossing) for crossing in rays.seen_through], axis=0)
-    return float(hidden.mean()), float(passed.mean())
+def _is_bare(points: FacadePoints, strip: tuple[float, float, float, float], near: float) -> bool:
+    """Whether a strip (left, bottom, right, top) is narrower than `near`, m, and shows hardly any wall."""
+    low, high = np.array(strip[:2]), np.array(strip[2:])
+    if (high - low).min() > near:
+        return False
+    expected = float(np.prod(np.maximum(high - low, 0.0))) / points.spacing**2
+    return len(points_in_box(points, low, high)) < max(SHOWN * expected, 1.0)
+
+
+def _loose_triangles(points: FacadePoints, boundary: Boundary) -> tuple[FloatArray, FloatArray]:
+    """Centres and areas of all long triangles: the cut-off corners of a gap are clusters of their own."""
+    corners = points.xz[boundary.triangles]
+    return corners.mean(axis=1), triangle_areas(corners)
+
+
+def _evidence(gap: Gap, shadows: Shadows, loose: tuple[FloatArray, FloatArray]) -> Evidence:
+    """What size, shape and rays say of a gap."""
+    size = gap.high - gap.low
+    box = shapely.box(*gap.low, *gap.high)
+    centres, areas = loose
+    within = ((centres > gap.low) & (centres < gap.high)).all(axis=1)
+    filled = max(float(gap.shape.intersection(box).area), float(areas[within].sum()))
+    rays = shadows.rays
+    # What a shadow hides of the rectangle speaks neither for it nor against it.
+    window, inside = cells_inside(box, rays)
+    beside = inside & ~shapely.contains_xy(gap.shape, *cell_middles(window, rays))
+    filled += rays.cell**2 * float(np.count_nonzero(beside & shadows.hidden[window]))
+    window, inside = cells_inside(gap.shape, rays)
+    hidden, passed = shadows.hidden[window][inside], shadows.passed[window][inside]
+    aimed = rays.stations > 0 and len(hidden) > 0
+    return Evidence(
+        length=float(size[0]),
+        height=float(size[1]),
+        rectangularity=min(filled / max(float(box.area), 1e-12), 1.0),
+        in_shadow=float(hidden.mean()) if len(hidden) else 0.0,
+        seen_through=float(passed.mean()) if len(passed) else 0.0,
+        missing=float((~hidden & ~passed).mean()) if aimed else 0.0,
+        stations=rays.stations,
+    )
+
+
+def _with_company(
+    gaps: list[Gap], evidence: list[Evidence], options: ReconstructionOptions
+) -> list[Evidence]:
+    """Add what the gaps say of one another: how many are alike, and whether any show their inside."""
+    show = any(said.seen_through > SHOWS for said in evidence)
+    size = np.array([[said.length, said.height] for said in evidence]).reshape(-1, 2)
+    low = np.array([gap.low for gap in gaps]).reshape(-1, 2)
+    high = low + size
+    good = np.array([said.in_shadow < options.max_shadow for said in evidence], dtype=bool)
+    completed = []
+    for number, said in enumerate(evidence):
+        same = (np.abs(size - size[number]) < SAME_SIZE * np.maximum(size[number], 1e-9)).all(axis=1)
+        lined = (np.minimum(np.abs(low - low[number]), np.abs(high - high[number])) < SAME_SIZE).any(axis=1)
+        alike = int(np.count_nonzero(same & lined & good)) - int(good[number])
+        completed.append(replace(said, alike=alike, others_show=show))
+    return completed
+
+
+def _hole(gap: Gap, said: Evidence, shadows: Shadows, options: ReconstructionOptions) -> Hole:
+    """The verdict on a gap."""
+    kind, reason, confidence = weigh(said, options=options)
+    return Hole(
+        loop=np.array(gap.shape.exterior.coords),
+        points=gap.points,
+        kind=kind,
+        reason=reason,
+        x=float(gap.low[0]),
+        z=float(gap.low[1]),
+        width=said.length,
+        height=said.height,
+        area=gap.area,
+        confidence=confidence,
+        evidence=_figures(gap, said, shadows, options),
+        unseen=gap.unseen,
+    )
+
+
+def _figures(gap: Gap, said: Evidence, shadows: Shadows, options: ReconstructionOptions) -> Mapping[str, Any]:
+    """The numbers behind a verdict, as facade.json keeps them."""
+    rays = shadows.rays
+    window, inside = cells_inside(gap.shape, rays)
+    count, depth = int(rays.inside[window][inside].sum()), float(rays.recess[window][inside].sum())
+    foot = shapely.box(
+        float(gap.low[0]),
+        float(gap.low[1]),
+        float(gap.high[0]),
+        float(min(gap.low[1] + options.min_opening, gap.high[1])),
+    )
+    below, cells = cells_inside(foot, rays)
+    foot_hidden = shadows.hidden[below][cells]
+    return {
+        "aspect": round(said.height / max(said.length, 1e-9), 3),
+        "rectangularity": round(said.rectangularity, 3),
+        "in_shadow": round(said.in_shadow, 3),
+        "seen_through": round(said.seen_through, 3),
+        "no_return": round(said.missing, 3),
+        "recess_m": round(depth / count, 3) if count else None,
+        "foot_in_shadow": round(float(foot_hidden.mean()) if len(foot_hidden) else 0.0, 3),
+        "alike": said.alike,
+        "scanners": said.stations,
+    }
+
+
+def _overridden(holes: tuple[Hole, ...], overrides: tuple[Override, ...]) -> tuple[Hole, ...]:
+    """Put the user's verdicts in the place of ours, and record both."""
+    found = list(holes)
+    for override in overrides:
+        place = shapely.Point(override.x, override.z)
+        number = next(
+            (
+                number
+                for number, hole in enumerate(found)
+                if shapely.box(*hole.low, *hole.high).union(shapely.Polygon(hole.loop)).contains(place)
+            ),
+            None,
+        )
+        if number is None:
+            where = ", ".join(
+                f"({hole.x + hole.width / 2:.2f}, {hole.z + hole.height / 2:.2f})" for hole in found
+            )
+            msg = (
+                f"Invalid override: there is no hole at x = {override.x:g}, z = {override.z:g} m; "
+                f"their middles are {where or 'none'}."
+            )
+            raise InputError(msg)
+        hole = found[number]
+        kind = HoleKind(override.verdict)
+        found[number] = replace(
+            hole,
+            kind=kind,
+            reason=f"set by the user; without that, {hole.kind.value}: {hole.reason}",
+            confidence=1.0,
+            evidence={**hole.evidence, "override": kind.value},
+        )
+    return tuple(found)
 
 
 def _without_fragments(holes: list[Hole], margin: float) -> list[Hole]:

@@ -3,9 +3,27 @@
 from dataclasses import dataclass
 
 from fd2fem.errors import InputError
+from fd2fem.model import HoleKind
 from fd2fem.model.checks import check_positive
 
-__all__ = ["ReconstructionOptions"]
+__all__ = ["Override", "ReconstructionOptions"]
+
+
+@dataclass(frozen=True)
+class Override:
+    """The user's verdict on the hole at a place of the wall, which no evidence outweighs.
+
+    Attributes
+    ----------
+    x, z : float, m
+        A point inside the hole, facade frame.
+    verdict : HoleKind
+        ``"opening"`` or ``"occlusion"``.
+    """
+
+    x: float
+    z: float
+    verdict: HoleKind
 
 
 @dataclass(frozen=True)
@@ -14,9 +32,12 @@ class ReconstructionOptions:
 
     Attributes
     ----------
+    wall : int
+        Which of the walls in the scan, from 1: they are ranked by what they span and whether a scanner
+        faces them.
     threshold : float or None, m
-        Longest triangle edge inside a fully scanned wall; ``None``: from the distribution of the
-        edge lengths. The paper used 0.15 to 0.175 m.
+        Longest triangle edge inside a fully scanned wall; ``None``: from the local point spacing. The
+        paper used 0.15 to 0.175 m everywhere.
     min_opening : float, m
         Smallest height and length of an opening (equation 1).
     min_aspect, max_aspect : float
@@ -27,15 +48,22 @@ class ReconstructionOptions:
         Largest share of an opening that may lie in the shadow of things before the wall.
     max_voxel : float or None, m
         Largest voxel; ``None``: just under half of `min_opening`.
+    curve_tolerance : float, m
+        Arcs are drawn as chords that leave them by no more than this.
+    voxel_tolerance : float, m
+        Voxels follow curved and slanted edges in steps of this size.
     wall_band : float or None, m
-        Points so close to the wall's plane are on the wall; ``None``: four times their scatter,
+        Points so close to the wall's face are on the wall; ``None``: four times their scatter,
         between 0.015 and 0.06 m.
+    overrides : tuple of Override
+        Verdicts of the user's on single holes.
     thickness : float, m
         Of the wall; a scan of the outside does not show it.
     seed : int
         Of the random choices in the search for the plane.
     """
 
+    wall: int = 1
     threshold: float | None = None
     min_opening: float = 0.4
     min_aspect: float = 0.25
@@ -43,12 +71,22 @@ class ReconstructionOptions:
     min_rectangularity: float = 0.75
     max_shadow: float = 0.5
     max_voxel: float | None = None
+    curve_tolerance: float = 0.002
+    voxel_tolerance: float = 0.02
     wall_band: float | None = None
+    overrides: tuple[Override, ...] = ()
     thickness: float = 0.35
     seed: int = 0
 
     def __post_init__(self) -> None:
-        for name in ("min_opening", "min_aspect", "max_aspect", "thickness"):
+        for name in (
+            "min_opening",
+            "min_aspect",
+            "max_aspect",
+            "curve_tolerance",
+            "voxel_tolerance",
+            "thickness",
+        ):
             check_positive(name, getattr(self, name))
         for name in ("threshold", "max_voxel", "wall_band"):
             if getattr(self, name) is not None:
@@ -59,9 +97,10 @@ class ReconstructionOptions:
                 f"({self.min_opening} m), which it would bridge."
             )
             raise InputError(msg)
-        if self.seed < 0:
-            msg = f"Invalid 'seed': expected 0 or more, got {self.seed}."
-            raise InputError(msg)
+        for name, least in (("seed", 0), ("wall", 1)):
+            if getattr(self, name) < least:
+                msg = f"Invalid '{name}': expected {least} or more, got {getattr(self, name)}."
+                raise InputError(msg)
         for name in ("min_rectangularity", "max_shadow"):
             if not 0.0 <= getattr(self, name) <= 1.0:
                 msg = f"Invalid '{name}': expected a share between 0 and 1, got {getattr(self, name)}."

@@ -35,6 +35,7 @@ __all__ = [
     "draw_lines",
     "draw_mesh",
     "draw_openings",
+    "draw_relief",
     "draw_response",
     "draw_scan",
     "draw_voxels",
@@ -135,25 +136,66 @@ def _boxes(lower: FloatArray, upper: FloatArray) -> FloatArray:
 
 def draw_lines(reconstruction: Reconstruction, path: Path) -> None:
     """Boundary lines and the points that they run through (figure 8)."""
-    points = reconstruction.points
+    points, facade = reconstruction.points, reconstruction.facade
     figure, axes = new_figure(2, height=_height(points.xz))
     shown = _some(points.xz)
     for axis in axes:
         axis.plot(shown[:, 0], shown[:, 1], ",", color="#c9c9c9", rasterized=True)
+        for ring in (facade.outline, *(opening.outline for opening in facade.openings)):
+            axis.plot(*np.vstack([ring, ring[:1]]).T, "-", color=INK, linewidth=0.7)
         for line in reconstruction.lines:
             used = points.xz[line.points]
             axis.plot(used[:, 0], used[:, 1], ".", color=BOUNDARY, markersize=2)
             axis.plot(*np.array([line.start, line.end]).T, "-", color=OPENING, linewidth=1)
-            draw = axis.axvline if line.side.vertical else axis.axhline
-            if axis is axes[1]:
-                draw(line.position, color=INK, linewidth=0.7)
     axes[0].set_title("boundary lines by least squares")
-    first = next((line for line in reconstruction.lines if line.hole >= 0), reconstruction.lines[0])
+    rings = [opening.outline for opening in facade.openings] or [facade.outline]
+    corner = rings[0][np.argmax(rings[0] @ [-1.0, 1.0])]
     axes[1].set(
-        xlim=first.start[0] + np.array([-0.3, 0.3]),
-        ylim=first.end[1] + np.array([-0.6, 0.3]),
+        xlim=corner[0] + np.array([-0.3, 0.3]),
+        ylim=corner[1] + np.array([-0.6, 0.3]),
         title="a corner; black: freed from bias",
     )
+    save(figure, path)
+
+
+def draw_relief(reconstruction: Reconstruction, path: Path) -> None:
+    """How far the face lies out of its plane, and what was seen through, hidden or attached."""
+    points, rays, facade = reconstruction.points, reconstruction.rays, reconstruction.facade
+    from matplotlib.colors import ListedColormap
+
+    figure, axes = new_figure(2, height=_height(points.xz))
+    relief = points.relief
+    ends = relief.low + relief.cell * (np.array(relief.values.shape) - 0.5)
+    image = axes[0].imshow(
+        1000.0 * relief.values.T,
+        origin="lower",
+        extent=(relief.low[0] - relief.cell / 2, ends[0], relief.low[1] - relief.cell / 2, ends[1]),
+        cmap="RdBu_r",
+    )
+    figure.colorbar(image, ax=axes[0], shrink=0.6, label="mm behind the plane")
+    axes[0].set_title("out-of-plane map of the face")
+    hidden = (rays.shadow > 0).all(axis=0) if rays.stations else rays.before > 0
+    seen = np.where(rays.wall > 0, 1.0, np.where(hidden, 3.0, np.where(rays.through > 0, 2.0, np.nan)))
+    end = rays.low + rays.cell * np.array(rays.wall.shape)
+    axes[1].imshow(
+        seen.T,
+        origin="lower",
+        extent=(rays.low[0], end[0], rays.low[1], end[1]),
+        cmap=ListedColormap([WALL, OPENING, OCCLUSION]),
+        vmin=0.5,
+        vmax=3.5,
+    )
+    for name, colour in (("wall", WALL), ("seen through", OPENING), ("in shadow", OCCLUSION)):
+        axes[1].plot([], [], "s", color=colour, label=name)
+    for thing in points.attachments:
+        ring = rectangle(thing.x, thing.z, thing.width, thing.height)
+        axes[1].plot(*np.vstack([ring, ring[:1]]).T, "-", color=BOUNDARY, linewidth=0.8)
+        axes[1].annotate(thing.kind, ring[3], fontsize=6, color=BOUNDARY)
+    for axis in axes:
+        for ring in (facade.outline, *(opening.outline for opening in facade.openings)):
+            axis.plot(*np.vstack([ring, ring[:1]]).T, "-", color=INK, linewidth=0.7)
+    axes[1].legend(fontsize=7, loc="upper right")
+    axes[1].set_title("what the rays say")
     save(figure, path)
 
 

@@ -30,6 +30,7 @@ CAPTIONS = (
     ("01_scan.png", "The scan, sorted by the wall's plane."),
     ("02_boundary.png", "Boundary points by the Delaunay criterion, and where its threshold comes from."),
     ("03_openings.png", "Holes with verdict and confidence, and the quadtree."),
+    ("03_rays.png", "The face's relief; what was seen through, what lies in shadow, what is attached."),
     ("04_lines.png", "Boundary lines of the wall and its openings."),
     ("05_voxels.png", "Full voxels after the flying-voxel tests."),
     ("06_mesh.png", "The mesh and the settlement imposed on its base."),
@@ -52,6 +53,7 @@ def write_report(result: RunResult, folder: Path) -> None:
     figures.draw_scan(rebuilt.points, folder / "01_scan.png")
     figures.draw_boundary(rebuilt, folder / "02_boundary.png")
     figures.draw_openings(rebuilt, folder / "03_openings.png")
+    figures.draw_relief(rebuilt, folder / "03_rays.png")
     figures.draw_lines(rebuilt, folder / "04_lines.png")
     figures.draw_voxels(rebuilt, folder / "05_voxels.png")
     figures.draw_mesh(result.mesh, result.response, folder / "06_mesh.png")
@@ -77,7 +79,7 @@ def _page(result: RunResult, folder: Path) -> str:
     return PAGE.substitute(
         title=escape(f"Facade of {facade.length:.2f} x {facade.height:.2f} m"),
         verdict=_verdict(result),
-        tables=_openings_table(result) + _response_table(result),
+        tables=_openings_table(result) + _filled_table(result) + _response_table(result),
         figures="\n".join(pictures),
     )
 
@@ -112,10 +114,28 @@ def _openings_table(result: RunResult) -> str:
             f"{opening.width:.3f}",
             f"{opening.height:.3f}",
             f"{opening.confidence:.2f}",
+            str(opening.evidence.get("verdict", "")),
         )
         for opening in result.reconstruction.facade.openings
     ]
-    return _table(("opening", "x, m", "z, m", "width, m", "height, m", "confidence"), rows)
+    return _table(("opening", "x, m", "z, m", "width, m", "height, m", "confidence", "because"), rows)
+
+
+def _filled_table(result: RunResult) -> str:
+    """The holes that were filled."""
+    holes = result.reconstruction.facade.filled_holes
+    if not holes:
+        return ""
+    rows = [
+        (
+            f"{hole.outline[:, 0].min():.2f}",
+            f"{hole.outline[:, 1].min():.2f}",
+            f"{hole.area:.2f}",
+            hole.reason,
+        )
+        for hole in holes
+    ]
+    return _table(("filled at x, m", "z, m", "area, m²", "because"), rows)
 
 
 def _response_table(result: RunResult) -> str:

@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 
 from fd2fem.errors import InputError
 from fd2fem.model import FacadeFrame, FacadePoints
+from fd2fem.model.frame import Attachment, OutOfPlane, WallCandidate
 
 coordinates = st.floats(-1e6, 1e6)
 local = st.floats(-100.0, 100.0)
@@ -105,3 +106,34 @@ def test_facade_points_are_read_only():
 def test_every_point_on_the_wall_has_a_depth():
     with pytest.raises(InputError, match=r"Invalid 'depth': expected shape \(2\), got \(1,\)"):
         _points(depth=[0.0])
+
+
+def test_points_move_with_all_that_belongs_to_them():
+    points = _points(
+        ground=-0.5,
+        scanners=[[1, -9, 1]],
+        relief=OutOfPlane([0.0, 0.0], 0.5, [[0.01, 0.02]]),
+        attachments=(Attachment("bay", 3.0, 2.0, 1.0, 2.0, 0.5),),
+    )
+    moved = points.moved(0.25, -0.5)
+    assert moved.xz.tolist() == [[-0.25, 0.5], [0.75, 0.5]]
+    assert moved.scanners.tolist() == [[0.75, -9.0, 1.5]]
+    assert moved.front.tolist() == [[-0.25, -1.0, 0.5]]
+    assert moved.ground == 0.0
+    assert moved.relief.low.tolist() == [-0.25, 0.5]
+    assert (moved.attachments[0].x, moved.attachments[0].z) == (2.75, 2.5)
+    # The world does not move.
+    world = points.frame.to_world(np.insert(points.xz, 1, 0.0, axis=1))
+    assert moved.frame.to_world(np.insert(moved.xz, 1, 0.0, axis=1)) == pytest.approx(world)
+
+
+def test_map_of_the_face_holds_numbers_somewhere():
+    assert not OutOfPlane([0, 0], 0.5, [[0.0, np.nan]]).values.flags.writeable
+    for values in ([[np.nan]], [[np.inf]], [0.0, 1.0]):
+        with pytest.raises(InputError, match="Invalid 'values'"):
+            OutOfPlane([0, 0], 0.5, values)
+
+
+def test_centre_of_a_wall_is_a_place():
+    with pytest.raises(InputError, match="Invalid 'centre'"):
+        WallCandidate(1, 6.0, 5.0, [1.0, 2.0], 180.0, 1000, chosen=True)

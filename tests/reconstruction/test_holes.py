@@ -1,45 +1,27 @@
 import numpy as np
 import pytest
+from scenes import STATION, scene
 from synthetic import cleaned_cloud, facade_of
 
-from fd2fem.model import HoleKind, PointCloud
+from fd2fem.errors import InputError
+from fd2fem.model import HoleKind, PointCloud, Side
 from fd2fem.reconstruction.boundary import find_boundary
-from fd2fem.reconstruction.holes import classify_holes, equation_1, histogram_peaks, ray_evidence
-from fd2fem.reconstruction.options import ReconstructionOptions
+from fd2fem.reconstruction.holes import classify_holes
+from fd2fem.reconstruction.options import Override, ReconstructionOptions
 from fd2fem.reconstruction.plane import find_facade
+from fd2fem.reconstruction.rays import cast_shadows, ray_map
 
 OPTIONS = ReconstructionOptions()
+WALL = facade_of(7.0, 5.0, [(1.0, 1.0, 1.2, 1.6)])
 
 
 def holes_of(cloud, options=OPTIONS):
     points = find_facade(cloud, options=options)
-    return points, classify_holes(points, find_boundary(points, options=options), options=options)
-
-
-@pytest.mark.parametrize(
-    ("height", "length", "reason"),
-    [
-        (0.4, 0.4, ""),
-        (5.0, 1.0, ""),
-        (0.5, 2.0, ""),
-        (0.39, 1.0, "height 0.39 m is under"),
-        (1.0, 0.39, "length 0.39 m is under"),
-        (0.49, 2.0, "is under 0.25"),
-        (5.1, 1.0, "is over 5.00"),
-    ],
-)
-def test_equation_1_at_its_limits(height, length, reason):
-    verdict = equation_1(height, length, options=OPTIONS)
-    assert verdict == reason if not reason else reason in verdict
-
-
-def test_peaks_ignore_a_bulge():
-    rng = np.random.default_rng(0)
-    jambs = np.concatenate([rng.normal(1.0, 0.01, 80), rng.normal(2.2, 0.01, 80)])
-    bulge = rng.uniform(0.4, 1.0, 15)
-    values = np.concatenate([jambs, bulge])
-    low, high = histogram_peaks(values, np.ones(len(values)), centre=1.6, width=0.04)
-    assert (low, high) == pytest.approx((1.0, 2.2), abs=0.01)
+    boundary = find_boundary(points, options=options)
+    (left, bottom), (right, top) = points.xz.min(axis=0), points.xz.max(axis=0)
+    outline = np.array([[left, bottom], [right, bottom], [right, top], [left, top]])
+    shadows = cast_shadows(ray_map(cloud, points))
+    return points, classify_holes(points, boundary, shadows, outline=outline, options=options)
 
 
 def test_openings_and_occlusions_by_size():
@@ -66,46 +48,75 @@ def test_ragged_hole_is_an_occlusion():
     assert "rectangle" in holes[0].reason
 
 
-def panel_scene(*, scanner):
-    """A wall scanned from (3, -10, 1.6) with a 0.6 x 0.75 m panel 5 m before it: a window-shaped shadow."""
-    station = np.array([3.0, -10.0, 1.6])
-    wall = cleaned_cloud(facade_of(6.0, 5.0, [(0.8, 1.0, 1.0, 1.5)]), 0.02).points
-    grid = np.stack(np.meshgrid(np.arange(3.4, 4.0, 0.01), np.arange(1.8, 2.55, 0.01)), -1).reshape(-1, 2)
-    panel = np.insert(grid, 1, -5.0, axis=1)
-    # By similar triangles the shadow is twice the panel, from the station's foot point.
-    low, high = (
-        station[[0, 2]] + 2 * (np.array([3.4, 1.8]) - station[[0, 2]]),
-        station[[0, 2]] + 2 * (np.array([4.0, 2.55]) - station[[0, 2]]),
-    )
-    hidden = ((wall[:, [0, 2]] > low) & (wall[:, [0, 2]] < high)).all(axis=1)
-    points = np.concatenate([wall[~hidden], panel])
-    return PointCloud(points, "panel", scanners=station[None] if scanner else np.empty((0, 3))), low, high
-
-
 def test_window_shaped_shadow_is_filled_when_the_scanner_is_known():
-    cloud, low, high = panel_scene(scanner=True)
-    points, holes = holes_of(cloud)
-    shadow = next(hole for hole in holes if hole.kind is HoleKind.OCCLUSION)
-    corner = np.array([shadow.x, shadow.z]) + points.frame.origin[[0, 2]]
-    assert corner == pytest.approx(low, abs=0.04)
-    assert [shadow.width, shadow.height] == pytest.approx(high - low, abs=0.06)
-    assert "shadow" in shadow.reason
-    assert [hole.kind for hole in holes].count(HoleKind.OPENING) == 1
-
-
-def test_without_the_scanner_equation_1_alone_decides():
-    cloud, _, _ = panel_scene(scanner=False)
+    cloud = scene(WALL, 0.02, panels=[(-2.0, 3.6, 2.0, 0.8, 1.2)])
     _, holes = holes_of(cloud)
-    assert all(hole.kind is HoleKind.OPENING for hole in holes)
+    assert [hole.kind for hole in holes].count(HoleKind.OPENING) == 1
+    shadow = next(hole for hole in holes if hole.kind is HoleKind.OCCLUSION)
+    # By similar triangles: 10/8 of the panel.
+    assert [shadow.width, shadow.height] == pytest.approx([1.0, 1.5], abs=0.06)
+    assert "shadow" in shadow.reason
+    assert shadow.confidence > 0.9
+
+
+def test_without_the_scanner_what_is_seen_inside_decides():
+    # By equation 1 the shadow is an opening, and in a cleaned scan there is nothing else to go by.
+    cloud = scene(WALL, 0.02, panels=[(-2.0, 3.6, 2.0, 0.8, 1.2)], told=False)
+    _, holes = holes_of(cloud)
+    kinds = {round(hole.width, 1): hole.kind for hole in holes if hole.area > 0.5}
+    assert kinds == {1.2: HoleKind.OPENING, 1.0: HoleKind.OCCLUSION}
+    on_wall = np.abs(cloud.points[:, 1]) < 0.01
+    _, holes = holes_of(PointCloud(cloud.points[on_wall], "cleaned"))
+    assert all(hole.kind is HoleKind.OPENING for hole in holes if hole.area > 0.5)
     assert all(hole.evidence["scanners"] == 0 for hole in holes)
 
 
-def test_rays_cross_the_wall_where_similar_triangles_say():
-    cloud, low, high = panel_scene(scanner=True)
-    points = find_facade(cloud, options=OPTIONS)
-    shadow = ray_evidence(points).shadow[0] + points.frame.origin[[0, 2]]
-    assert shadow.min(axis=0) == pytest.approx(low, abs=0.02)
-    assert shadow.max(axis=0) == pytest.approx(high, abs=0.04)
+def test_window_that_is_partly_in_shadow_keeps_what_is_seen_of_it():
+    # Hides the window's right part and the wall beside it: from x = 1.8 to 2.8.
+    low = STATION[[0, 2]] + (np.array([1.8, 0.7]) - STATION[[0, 2]]) * 0.8
+    high = STATION[[0, 2]] + (np.array([2.8, 2.9]) - STATION[[0, 2]]) * 0.8
+    cloud = scene(WALL, 0.02, panels=[(-2.0, *low, *(high - low))])
+    points, holes = holes_of(cloud)
+    window = next(hole for hole in holes if hole.kind is HoleKind.OPENING)
+    left = window.x + points.frame.origin[0]
+    assert left == pytest.approx(1.0, abs=0.04)
+    assert [window.z + points.frame.origin[2], window.height] == pytest.approx([1.0, 1.6], abs=0.06)
+    assert set(window.unseen) == {Side.RIGHT}
+    interval = np.array(window.unseen[Side.RIGHT]) + points.frame.origin[0]
+    assert interval == pytest.approx([1.8, 2.8], abs=0.1)
+
+
+def test_shadow_that_joins_two_windows_does_not_lose_them():
+    pair = facade_of(7.0, 5.0, [(1.0, 1.0, 1.2, 1.6), (3.0, 1.0, 1.2, 1.6)])
+    low = STATION[[0, 2]] + (np.array([0.8, 0.2]) - STATION[[0, 2]]) * 0.8
+    high = STATION[[0, 2]] + (np.array([4.6, 1.5]) - STATION[[0, 2]]) * 0.8
+    points, holes = holes_of(scene(pair, 0.02, panels=[(-2.0, *low, *(high - low))]))
+    windows = sorted((hole for hole in holes if hole.kind is HoleKind.OPENING), key=lambda hole: hole.x)
+    assert [hole.x + points.frame.origin[0] for hole in windows] == pytest.approx([1.0, 3.0], abs=0.04)
+    assert [hole.width for hole in windows] == pytest.approx([1.2, 1.2], abs=0.06)
+    assert all(set(hole.unseen) == {Side.BOTTOM} for hole in windows)
+
+
+def test_post_before_a_window_leaves_one_window():
+    low = STATION[[0, 2]] + (np.array([1.5, -2.0]) - STATION[[0, 2]]) * 0.8
+    high = STATION[[0, 2]] + (np.array([1.7, 4.0]) - STATION[[0, 2]]) * 0.8
+    _, holes = holes_of(scene(WALL, 0.02, panels=[(-2.0, *low, *(high - low))]))
+    windows = [hole for hole in holes if hole.kind is HoleKind.OPENING]
+    assert [(hole.width, hole.height) for hole in windows] == [pytest.approx((1.2, 1.6), abs=0.06)]
+
+
+def test_override_is_obeyed_and_recorded():
+    cloud = scene(WALL, 0.02, panels=[(-2.0, 3.6, 2.0, 0.8, 1.2)])
+    _, before = holes_of(cloud)
+    shadow = next(hole for hole in before if hole.kind is HoleKind.OCCLUSION)
+    at = (shadow.x + shadow.width / 2, shadow.z + shadow.height / 2)
+    _, after = holes_of(cloud, ReconstructionOptions(overrides=(Override(*at, HoleKind.OPENING),)))
+    changed = next(hole for hole in after if "override" in hole.evidence)
+    assert (changed.kind, changed.confidence) == (HoleKind.OPENING, 1.0)
+    assert "set by the user" in changed.reason
+    assert shadow.reason in changed.reason
+    with pytest.raises(InputError, match="no hole at x = 90"):
+        holes_of(cloud, ReconstructionOptions(overrides=(Override(90.0, 1.0, HoleKind.OPENING),)))
 
 
 def test_low_sill_is_a_window_and_a_missing_foot_a_door():

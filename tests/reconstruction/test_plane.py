@@ -8,7 +8,7 @@ from fd2fem.errors import InputError, ReconstructionError
 from fd2fem.model import PointCloud
 from fd2fem.reconstruction.options import ReconstructionOptions
 from fd2fem.reconstruction.plane import NOTHING_TELLS, find_facade, point_spacing
-from fd2fem.reconstruction.wall_search import thin_points
+from fd2fem.reconstruction.thinning import thin_points
 
 OPTIONS = ReconstructionOptions()
 HOUSE = facade_of(6.0, 5.0, [(1.0, 1.0, 1.2, 1.6)])

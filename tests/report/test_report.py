@@ -15,7 +15,16 @@ from fd2fem.pipeline import run
 from fd2fem.report import facade_summary, write_report
 
 DRAWING = facade_of(4.0, 3.0, [(0.6, 0.0, 0.9, 2.0), (2.2, 1.0, 1.2, 1.3)])
-PICTURES = ["01_scan", "02_boundary", "03_openings", "04_lines", "05_voxels", "06_mesh", "07_response"]
+PICTURES = [
+    "01_scan",
+    "02_boundary",
+    "03_openings",
+    "03_rays",
+    "04_lines",
+    "05_voxels",
+    "06_mesh",
+    "07_response",
+]
 WITH_REFERENCE = ["08_reference", "09_comparison"]
 BAD = "<script>alert('x')</script> & <b>bold</b>"
 VOID = {"meta", "img", "br", "hr", "link", "input"}

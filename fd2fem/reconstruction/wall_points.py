@@ -1,0 +1,145 @@
+"""The points on and beside one wall of a large scan: taken out of it, sorted, parted by their spacing."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fd2fem.reconstruction.face import Face
+from fd2fem.reconstruction.thinning import chunks, coordinate_hash
+
+__all__ = ["DUPLICATE", "point_spacing", "points_beside", "sort_points"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+DUPLICATE = 1e-4
+"""Points on the wall closer than this are one, m: a triangulation cannot use them apart."""
+MARGIN = 0.5
+"""A sample may miss so much of a wall's rim, m."""
+BESIDE = 0.21
+"""Points so far from the face are taken along, to compare it with the space beside, m."""
+NEIGHBOUR = 8
+"""The spacing follows from the distance to so many neighbours."""
+GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+"""Multiples of it, without their whole parts, fill an interval evenly (Weyl)."""
+FEW = 10_000
+"""So many squares are looked up one by one."""
+SEEDS = 400
+"""Points at which the spacing is measured."""
+
+
+def points_beside(points: FloatArray, face: Face, *, share: float = 1.0) -> FloatArray:
+    """Points of a scan that lie beside a wall's face, (m, 3) m, in its frame.
+
+    Parameters
+    ----------
+    points : (n, 3) float array, m
+        World frame.
+    face : Face
+    share : float
+        Of the points to take; which ones, their coordinates decide at random.
+    """
+    (left, bottom), (right, top) = face.box[0] - MARGIN, face.box[1] + MARGIN
+    frame, reach = face.frame, max(face.band, BESIDE) + float(np.nanmax(np.abs(face.relief.values)))
+    limit = np.uint64(min(share, 1.0) * float(2**64 - 2**12))
+    level = frame.axes[1] @ frame.origin
+    found = []
+    for part in chunks(len(points)):
+        near = np.flatnonzero(np.abs(points[part] @ frame.axes[1] - level) < reach)
+        away = points[part][near]
+        if share < 1.0:
+            away = away[coordinate_hash(away) < limit]
+        local = frame.axes @ (away - frame.origin).T
+        x, _, z = local
+        inside = (x > left) & (x < right) & (z > bottom) & (z < top)
+        found.append(local if inside.all() else local[:, inside])
+    return np.concatenate(found, axis=1).T
+
+
+def sort_points(xz: FloatArray) -> IntArray:
+    """Indices that sort points (n, 2) by x, and by z where x is the same, without duplicates.
+
+    Of points that share a square of :data:`DUPLICATE` the first one stays.
+
+    Examples
+    --------
+    >>> sort_points(np.array([[2.0, 0.0], [1.0, 1.0], [1.0, 0.5], [1.0, 0.50001]])).tolist()
+    [2, 1, 0]
+    """
+    x, z = np.ascontiguousarray(xz.T)
+    order = np.argsort(x)
+    x = x[order]
+    tied = np.flatnonzero(x[1:] == x[:-1])
+    if len(tied):
+        # Only those points are sorted again that share their x with another.
+        again = np.union1d(tied, tied + 1)
+        some = order[again]
+        order[again] = some[np.lexsort((z[some], x[again]))]
+    return order[_without_doubles(x, z[order])]
+
+
+def _without_doubles(x: FloatArray, z: FloatArray) -> IntArray | slice:
+    """Which of some points, sorted by x, stay where only the first in a square stays."""
+    column = ((x - x[0]) / DUPLICATE).astype(np.int64)
+    row = ((z - z.min()) / DUPLICATE).astype(np.int64)
+    rows = int(row.max()) + 1
+    key = column * rows + row
+    ranked = np.sort(key)
+    double = np.unique(ranked[1:][ranked[1:] == ranked[:-1]])
+    if len(double) == 0:
+        return slice(None)
+    if len(double) > FEW:
+        return np.sort(np.unique(key, return_index=True)[1])
+    # The points of a column are neighbours: a few squares are looked up faster than all are sorted.
+    keep = np.ones(len(x), dtype=bool)
+    starts, ends = (np.searchsorted(column, double // rows, side=side) for side in ("left", "right"))
+    for square, start, end in zip(double, starts, ends, strict=True):
+        keep[start + np.flatnonzero(key[start:end] == square)[1:]] = False
+    return np.flatnonzero(keep)
+
+
+def point_spacing(xz: FloatArray) -> float:
+    """Typical distance between neighbours, m: 1/√density, from the eighth neighbours of a sample.
+
+    Parameters
+    ----------
+    xz : (n, 2) float array, m
+        At least nine points.
+    """
+    x, z = np.ascontiguousarray(xz.T)
+    if (x[1:] < x[:-1]).any():
+        order = np.argsort(x, kind="stable")
+        x, z = x[order], z[order]
+    # Picked by place, so that the order of the points does not matter, nor a few points more or less.
+    number = np.arange(min(SEEDS, len(x)))
+    across = x[0] + (number + 0.5) / len(number) * (x[-1] - x[0])
+    up = z.min() + (number * GOLDEN + 0.5) % 1.0 * np.ptp(z)
+    reach = max(3.0 * float(np.sqrt(np.ptp(x) * np.ptp(z) / len(x))), DUPLICATE)
+    seeds = [_point_near(x, z, place, reach) for place in zip(across, up, strict=True)]
+    distance = [_neighbour_distance(x, z, seed, reach) for seed in seeds if seed >= 0]
+    return float(np.median(distance) * np.sqrt(np.pi / NEIGHBOUR))
+
+
+def _point_near(x: FloatArray, z: FloatArray, place: tuple[float, float], reach: float) -> int:
+    """Index of a point near a place of a wall, -1 where there is none within reach.
+
+    It is the first one along x: the nearest one would stand apart from its neighbours more than the usual.
+    """
+    first, end = np.searchsorted(x, [place[0] - reach, place[0] + reach])
+    near = np.flatnonzero(np.abs(z[first:end] - place[1]) < reach)
+    return int(first + near[0]) if len(near) else -1
+
+
+def _neighbour_distance(x: FloatArray, z: FloatArray, seed: int, reach: float) -> float:
+    """Distance, m, from a point to its eighth neighbour, in a square that grows until it holds it.
+
+    The points are sorted by x.
+    """
+    while True:
+        first, end = np.searchsorted(x, [x[seed] - reach, x[seed] + reach])
+        near = first + np.flatnonzero(np.abs(z[first:end] - z[seed]) < reach)
+        if len(near) > NEIGHBOUR:
+            square = (x[near] - x[seed]) ** 2 + (z[near] - z[seed]) ** 2
+            distance = float(np.sqrt(np.partition(square, NEIGHBOUR)[NEIGHBOUR]))
+            if distance <= reach or len(near) == len(x):
+                return distance
+        reach *= 2.0
