@@ -1,6 +1,7 @@
 """The words of the command line."""
 
 import argparse
+import math
 import sys
 from pathlib import Path
 from typing import NoReturn
@@ -152,4 +153,7 @@ def _position(text: str) -> tuple[float, float, float]:
     except ValueError as error:
         msg = f"expected X,Y,Z, got {text!r}"
         raise argparse.ArgumentTypeError(msg) from error
+    if not all(map(math.isfinite, (x, y, z))):
+        msg = f"expected finite coordinates X,Y,Z, got {text!r}"
+        raise argparse.ArgumentTypeError(msg)
     return x, y, z

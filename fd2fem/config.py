@@ -4,9 +4,9 @@ import difflib
 import json
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, is_dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args, get_type_hints
 
 from fd2fem.errors import InputError
 from fd2fem.meshing import MeshOptions
@@ -130,6 +130,7 @@ def _record(cls: type[T], values: Mapping[str, Any], where: str) -> T:
 
     # Every cls is a dataclass.
     _check_keys(values, {entry.name for entry in fields(cls)}, where)  # type: ignore[arg-type]
+    _check_tables(cls, values, where)
     try:
         # By way of JSON, the strict check takes a table for a record, but neither true nor "1" for a number.
         return TypeAdapter(cls).validate_json(json.dumps(values, default=str), strict=True)
@@ -139,6 +140,18 @@ def _record(cls: type[T], values: Mapping[str, Any], where: str) -> T:
         text = first["msg"].removeprefix("Value error, ")
         msg = f"{where}: {name + ': ' if name else ''}{text}"
         raise InputError(msg) from error
+
+
+def _check_tables(cls: type, values: Mapping[str, Any], where: str) -> None:
+    """Check the keys of a list of tables, whose record the field of `cls` names."""
+    hints = get_type_hints(cls)
+    for name, value in values.items():
+        entry = next(iter(get_args(hints[name])), None)
+        if not (isinstance(value, list) and is_dataclass(entry)):
+            continue
+        for number, table in enumerate(value, start=1):
+            if isinstance(table, Mapping):
+                _check_keys(table, {one.name for one in fields(entry)}, f"{where}: {name} {number}")
 
 
 def _closest(name: str, known: set[str]) -> str:

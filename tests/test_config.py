@@ -89,3 +89,30 @@ def test_file_that_is_not_toml(tmp_path):
         read_options(path)
     with pytest.raises(InputError, match="Cannot read the configuration"):
         read_options(tmp_path / "missing.toml")
+
+
+def test_overrides_of_verdicts():
+    table = {"x": 1.0, "z": 2, "verdict": "opening"}
+    found = options_from_dict({"reconstruction": {"overrides": [table]}}, source="a.toml").reconstruction
+    assert [(one.x, one.z, one.verdict.value) for one in found.overrides] == [(1.0, 2.0, "opening")]
+
+
+@pytest.mark.parametrize(
+    ("table", "text"),
+    [
+        ({"x": 1.0, "z": 2.0, "verdict": "window"}, "verdict"),
+        ({"x": 1.0, "verdict": "opening"}, "z"),
+        ({"x": 1.0, "z": 2.0, "verdict": "opening", "why": "x"}, "overrides 1: unknown key 'why'"),
+        ({"x": "left", "z": 2.0, "verdict": "opening"}, "x"),
+    ],
+)
+def test_bad_override_is_one_line(table, text):
+    with pytest.raises(InputError, match=text) as caught:
+        options_from_dict({"reconstruction": {"overrides": [table]}}, source="a.toml")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("name", "value"), [("wall", 0), ("wall_band", 3.0), ("voxel_tolerance", 0.0)])
+def test_settings_out_of_range_are_refused(name, value):
+    with pytest.raises(InputError, match=name):
+        options_from_dict({"reconstruction": {name: value}}, source="a.toml")

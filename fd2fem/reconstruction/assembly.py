@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
+import shapely.affinity
 from numpy.typing import NDArray
 
 from fd2fem.errors import InputError, ReconstructionError
@@ -28,10 +29,13 @@ from fd2fem.reconstruction.completion import Draft, complete_edges
 from fd2fem.reconstruction.options import ReconstructionOptions
 from fd2fem.reconstruction.outline import WallOutline
 
-__all__ = ["assemble_facade", "draft_openings", "move_to_corner"]
+__all__ = ["assemble_facade", "draft_openings", "move_to_corner", "settle_conflicts"]
 
 FloatArray = NDArray[np.float64]
 Holes = tuple[Hole, ...]
+
+APART = 0.001
+"""Openings closer together than this, or to the wall's edge, leave no wall between, m."""
 
 
 def move_to_corner(
@@ -81,6 +85,51 @@ def _draft(number: int, hole: Hole, edges: Mapping[Side, BoundaryLine]) -> Draft
                 sigma[side] = max(abs(position[side] - rough[side]), sigma[side])
                 position[side] = float(rough[side])
     return Draft(number, hole, position, sigma, door)
+
+
+def settle_conflicts(drafts: Sequence[Draft], ring: FloatArray) -> tuple[list[Draft], dict[int, Hole]]:
+    """Part the openings that a wall can have together from those that it cannot.
+
+    Of two that touch, the less certain or the smaller one goes, and so does what leaves the wall or
+    touches its edge goes, or whose edges cross. These are filled, with the reason.
+
+    Parameters
+    ----------
+    drafts : sequence of Draft
+    ring : (k, 2) float array, m
+        The wall's outline; its bounding box starts at (0, 0).
+
+    Returns
+    -------
+    kept : list of Draft
+        In their order.
+    refused : dict of int to Hole
+        By the number of the hole.
+    """
+    wall = shapely.Polygon(ring)
+    # A door reaches the ground: for it, the wall goes on below.
+    ground = wall.union(shapely.affinity.translate(wall, yoff=-1.0))
+    kept: list[tuple[Draft, shapely.Polygon]] = []
+    refused = {}
+    for draft in sorted(drafts, key=lambda draft: (-draft.hole.confidence, -draft.hole.area)):
+        reason = ""
+        left, right, bottom, top = (draft.position[side] for side in Side)
+        shape = shapely.Polygon(_ring(draft)) if right > left and top > bottom else None
+        if shape is None:
+            reason = "its edges do not show"
+        elif not (ground if draft.door else wall).buffer(-APART).contains(shape):
+            reason = "it reaches the wall's edge"
+        else:
+            other = next((other for other, taken in kept if taken.distance(shape) < APART), None)
+            if other is not None:
+                reason = f"it touches the opening at x = {other.hole.x:.2f}, z = {other.hole.z:.2f} m"
+        if reason and "override" not in draft.hole.evidence:
+            kind, text = HoleKind.OCCLUSION, f"{reason}; else an opening: {draft.hole.reason}"
+            refused[draft.number] = replace(draft.hole, kind=kind, reason=text, confidence=0.5)
+        else:
+            kept.append((draft, shape if shape is not None else shapely.Polygon()))
+    order = {draft.number: index for index, draft in enumerate(drafts)}
+    return sorted((draft for draft, _ in kept), key=lambda draft: order[draft.number]), refused
 
 
 def assemble_facade(
@@ -138,11 +187,17 @@ def _opening(draft: Draft) -> Opening:
     return Opening(
         id=0,
         kind=OpeningKind.DOOR if draft.door else OpeningKind.WINDOW,
-        outline=rectangle(left, bottom, right - left, top - bottom) if draft.ring is None else draft.ring,
+        outline=_ring(draft),
         confidence=round(hole.confidence, 3),
         evidence=evidence,
         sigma=EdgeSigma(**{side.value: draft.sigma[side] for side in Side}),
     )
+
+
+def _ring(draft: Draft) -> FloatArray:
+    """Outline of an opening, (k, 2), m."""
+    left, right, bottom, top = (draft.position[side] for side in Side)
+    return rectangle(left, bottom, right - left, top - bottom) if draft.ring is None else draft.ring
 
 
 def _filled(hole: Hole, ring: FloatArray) -> FilledHole | None:

@@ -156,10 +156,19 @@ def _line(view: View, tree: QuadTree, feature: _Feature, side: Side) -> Boundary
     ends = np.array([along[picked].min(), along[picked].max()])
     fitted = level + slope * (ends - along[picked].mean())
     corners = np.column_stack([fitted, ends] if axis == 0 else [ends, fitted])
+    if abs(level - feature.edge(side)) > _tolerance(view, tree, axis):
+        # No boundary points are left near the edge; its strip of wall may tell it still.
+        level = feature.edge(side)
     position, sigma = edge_beside(view, Place(feature.number, feature.low, feature.high), side, level)
     return BoundaryLine(
         corners[0], corners[1], feature.members[picked], side, feature.number, position, sigma
     )
+
+
+def _tolerance(view: View, tree: QuadTree, axis: int) -> float:
+    """How far an edge may lie from the histogram's peak, m."""
+    size = float((tree.upper[0] - tree.lower[0])[axis])
+    return max(1.5 * size, view.boundary.min_opening / 4.0)
 
 
 def _pick(view: View, tree: QuadTree, feature: _Feature, side: Side) -> IntArray:
@@ -171,13 +180,12 @@ def _pick(view: View, tree: QuadTree, feature: _Feature, side: Side) -> IntArray
     columns = tree.index[feature.leaf, axis]
     groups = voxel_group(columns, along, min_opening=smallest, bridge=_bridge(view))
     low_side = side in {Side.LEFT, Side.BOTTOM}
-    size = float((tree.upper[0] - tree.lower[0])[axis])
     guess = feature.edge(side)
     chosen = [
         group
         for group in groups.values()
         if (np.mean(across[group]) < feature.centre[axis]) == low_side
-        and abs(np.median(across[group]) - guess) < max(1.5 * size, smallest / 4)
+        and abs(np.median(across[group]) - guess) < _tolerance(view, tree, axis)
     ]
     if chosen:
         return np.concatenate(chosen)

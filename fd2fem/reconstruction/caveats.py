@@ -3,9 +3,9 @@
 import numpy as np
 import shapely
 
-from fd2fem.model import BoundaryLine, Facade, Hole, HoleKind
+from fd2fem.model import BoundaryLine, Facade, Hole, HoleKind, OpeningKind
 from fd2fem.reconstruction.options import ReconstructionOptions
-from fd2fem.reconstruction.sampling import Sampling
+from fd2fem.reconstruction.strips import Place, View, edge_beside, seen_place
 
 __all__ = ["edge_warnings", "hole_warnings", "opening_warnings"]
 
@@ -14,7 +14,7 @@ SEEN_THROUGH = 0.3
 UNSURE = 0.7
 """A verdict with less confidence than this is worth a second look."""
 SLANT = np.radians(2.0)
-"""An edge that leans more, and by more than the points' spacing explains, is reported."""
+"""An edge that leans more, and by more than its errors explain, is reported."""
 
 
 def hole_warnings(holes: tuple[Hole, ...], facade: Facade, options: ReconstructionOptions) -> list[str]:
@@ -40,7 +40,10 @@ def opening_warnings(facade: Facade, options: ReconstructionOptions) -> list[str
     for opening in facade.openings:
         for side, note in opening.evidence.get("hidden_edges", {}).items():
             warnings.append(f"The {side} edge of opening {opening.id} is {note}.")
-        if "hidden_edges" not in opening.evidence and opening.evidence["foot_in_shadow"] > options.max_shadow:
+        in_shadow = (
+            opening.kind is OpeningKind.DOOR and opening.evidence["foot_in_shadow"] > options.max_shadow
+        )
+        if in_shadow and "hidden_edges" not in opening.evidence:
             warnings.append(
                 f"The foot of opening {opening.id} lies in shadow: it may be a window, not a door."
             )
@@ -49,21 +52,34 @@ def opening_warnings(facade: Facade, options: ReconstructionOptions) -> list[str
     return warnings
 
 
-def edge_warnings(
-    lines: tuple[BoundaryLine, ...],
-    holes: tuple[Hole, ...],
-    options: ReconstructionOptions,
-    sampling: Sampling,
-) -> list[str]:
+def edge_warnings(view: View, lines: tuple[BoundaryLine, ...]) -> list[str]:
     """Edges of openings that were taken as upright or level, and are not."""
     warnings = []
     for line in lines:
         along = 1 if line.side.vertical else 0
         run = np.abs(line.end - line.start)
-        long = run[along] >= options.min_opening
-        if long and run[1 - along] > max(4.0 * sampling.spacing, np.tan(SLANT) * run[along]):
+        if run[along] < view.boundary.min_opening or run[1 - along] < np.tan(SLANT) * run[along]:
+            continue
+        slope = _slope(view, line)
+        if abs(slope) > np.tan(SLANT):
             warnings.append(
-                f"The {line.side} edge of the opening at x = {holes[line.hole].x:.2f} m is off by "
-                f"{1000 * run[1 - along] / run[along]:.0f} mm a metre; it was taken as upright or level."
+                f"The {line.side} edge of the opening at x = {view.holes[line.hole].x:.2f} m is off by "
+                f"{1000 * abs(slope):.0f} mm a metre; it was taken as upright or level."
             )
     return warnings
+
+
+def _slope(view: View, line: BoundaryLine) -> float:
+    """Slope of an edge by the wall beside its two halves, 0 where their errors explain it."""
+    place = seen_place(line.hole, view.holes[line.hole])
+    along = 1 if line.side.vertical else 0
+    middle = (place.low + place.high) / 2.0
+    found = []
+    for half in (0, 1):
+        low, high = place.low.copy(), place.high.copy()
+        (high if half == 0 else low)[along] = middle[along]
+        guess = (line.start, line.end)[half][1 - along]
+        found.append(edge_beside(view, Place(line.hole, low, high), line.side, float(guess)))
+    change = found[1][0] - found[0][0]
+    error = float(np.hypot(found[0][1], found[1][1]))
+    return 2.0 * change / float((place.high - place.low)[along]) if abs(change) > 3.0 * error else 0.0

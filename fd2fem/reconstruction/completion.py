@@ -5,7 +5,7 @@ wide. An edge that was not seen takes the place that its like have, if that lies
 shadow leaves; else the middle of the interval, whose standard error is its length over √12.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -17,6 +17,8 @@ __all__ = ["Draft", "complete_edges"]
 
 IN_LINE = 0.1
 """Edges are in line that differ by less, m."""
+BEYOND = 0.05
+"""The end of a shadow is known to so much, m."""
 COMPLETED_SIGMA = 0.02
 """Standard error of an edge that was taken from two others or more, m, at the least; the double from one."""
 ALONGSIDE = 0.5
@@ -88,8 +90,12 @@ def complete_edges(drafts: Sequence[Draft]) -> list[Draft]:
 def _complete(draft: Draft, side: Side, drafts: Sequence[Draft]) -> Draft:
     """A draft with one unseen edge put in its place."""
     low, high = draft.hole.unseen[side]
-    found = np.array(_estimates(draft, side, drafts))
-    found = found[(found > low - IN_LINE) & (found < high + IN_LINE)] if len(found) else found
+    found = np.empty(0)
+    for witnesses in _witnesses(draft, side, drafts):
+        places = np.array(witnesses)
+        found = places[(places > low - BEYOND) & (places < high + BEYOND)]
+        if len(found):
+            break
     door = draft.door
     if len(found):
         place = float(np.median(found))
@@ -119,30 +125,27 @@ def _keeps_order(draft: Draft, side: Side, place: float) -> bool:
     return place < other if side in {Side.LEFT, Side.BOTTOM} else place > other
 
 
-def _estimates(draft: Draft, side: Side, drafts: Sequence[Draft]) -> list[float]:
-    """Where the like of an opening have an edge that it does not show."""
-    others = [other for other in drafts if other is not draft and other.seen(side)]
+def _witnesses(draft: Draft, side: Side, drafts: Sequence[Draft]) -> Iterator[list[float]]:
+    """Where others say that an opening has an edge that it does not show, the better witnesses first."""
     opposite = OPPOSITE[side]
-    in_line = [
+    others = [other for other in drafts if other is not draft and other.seen(side)]
+    like = [other for other in others if draft.seen(opposite) and other.seen(opposite)]
+    yield [
         other.position[side]
-        for other in others
-        if draft.seen(opposite)
-        and other.seen(opposite)
-        and abs(other.position[opposite] - draft.position[opposite]) < IN_LINE
+        for other in like
+        if abs(other.position[opposite] - draft.position[opposite]) < IN_LINE
     ]
-    if in_line or not draft.seen(opposite):
-        return in_line
     if not side.vertical:
-        beside = [other.position[side] for other in others if _overlap(draft, other) > ALONGSIDE]
-        if beside:
-            return beside
-    # Nothing to go by directly: as wide as the others of its row, as high as those of its column.
+        yield [other.position[side] for other in others if _overlap(draft, other, Side.BOTTOM) > ALONGSIDE]
+    # As wide as the others of its row, as high as those of its column.
     sign = 1.0 if side in {Side.RIGHT, Side.TOP} else -1.0
-    return [
+    yield [
         draft.position[opposite] + sign * abs(other.position[side] - other.position[opposite])
-        for other in others
-        if other.seen(opposite) and _aligned(draft, other, across=side.vertical)
+        for other in like
+        if _aligned(draft, other, across=side.vertical)
     ]
+    if side.vertical:
+        yield [other.position[side] for other in others if _overlap(draft, other, Side.LEFT) > 0.0]
 
 
 def _aligned(one: Draft, other: Draft, *, across: bool) -> bool:
@@ -151,12 +154,9 @@ def _aligned(one: Draft, other: Draft, *, across: bool) -> bool:
     return all(abs(one.position[side] - other.position[side]) < IN_LINE for side in sides)
 
 
-def _overlap(one: Draft, other: Draft) -> float:
-    """Share of the lower of two openings' heights that they have in common."""
-    low = max(one.position[Side.BOTTOM], other.position[Side.BOTTOM])
-    high = min(one.position[Side.TOP], other.position[Side.TOP])
-    height = min(
-        one.position[Side.TOP] - one.position[Side.BOTTOM],
-        other.position[Side.TOP] - other.position[Side.BOTTOM],
-    )
-    return (high - low) / max(height, 1e-9)
+def _overlap(one: Draft, other: Draft, start: Side) -> float:
+    """Share of the smaller of two openings' extents, upwards or along the wall, that they have in common."""
+    end = OPPOSITE[start]
+    common = min(one.position[end], other.position[end]) - max(one.position[start], other.position[start])
+    sizes = [draft.position[end] - draft.position[start] for draft in (one, other)]
+    return common / max(min(sizes), 1e-9)

@@ -83,7 +83,7 @@ def find_gaps(points: FacadePoints, boundary: Boundary, shadows: Shadows) -> lis
     found: list[Gap] = []
     for cluster in large[np.argsort(-total[large], kind="stable")].tolist():
         gap = _outline(points, boundary, boundary.hole_of_triangle == cluster)
-        found += _unhidden(gap, boundary, shadows, points.spacing)
+        found += _unhidden(gap, points, boundary, shadows)
     return found
 
 
@@ -157,7 +157,7 @@ def cell_middles(window: tuple[slice, slice], rays: RayMap) -> list[FloatArray]:
     return list(np.meshgrid(*along, indexing="ij"))
 
 
-def _unhidden(gap: Gap, boundary: Boundary, shadows: Shadows, spacing: float) -> list[Gap]:
+def _unhidden(gap: Gap, points: FacadePoints, boundary: Boundary, shadows: Shadows) -> list[Gap]:
     """The parts of a gap that no shadow covers, or the gap as it is where that does not part it."""
     rays = shadows.rays
     window, inside = cells_inside(gap.shape, rays)
@@ -170,7 +170,7 @@ def _unhidden(gap: Gap, boundary: Boundary, shadows: Shadows, spacing: float) ->
     parts = []
     for box in boxes:
         corners = origin + rays.cell * box
-        part = _part(gap, corners, boundary, rays, spacing)
+        part = _part(gap, corners, points, boundary, rays)
         if part is not None:
             parts.append(replace(part, unseen=_unseen_edges(part, boundary, shadows)))
     # Nothing but shadow: the verdict on the whole gap will say so.
@@ -196,7 +196,7 @@ def _bright_boxes(bright: BoolArray, inside: BoolArray, min_opening: float, cell
     ]
 
 
-def _part(gap: Gap, box: FloatArray, boundary: Boundary, rays: RayMap, spacing: float) -> Gap | None:
+def _part(gap: Gap, box: FloatArray, points: FacadePoints, boundary: Boundary, rays: RayMap) -> Gap | None:
     """The part of a gap in a box, with the edges of the wall that show beside it."""
     margin = 1.5 * rays.cell
     near = shapely.box(*(box[0] - margin), *(box[1] + margin))
@@ -209,8 +209,10 @@ def _part(gap: Gap, box: FloatArray, boundary: Boundary, rays: RayMap, spacing: 
     beside = ((middle > box[0] - margin) & (middle < box[1] + margin)).all(axis=1)
     bounds = np.array(shape.bounds).reshape(2, 2)
     extent = np.array([np.maximum(box[0], bounds[0]), np.minimum(box[1], bounds[1])])
-    low, high = _rectangle((middle[beside], run[beside]), extent, spacing)
-    return replace(gap, shape=shape, area=float(cut.area), low=low, high=high)
+    low, high = _rectangle((middle[beside], run[beside]), extent, points.spacing)
+    around = points.xz[gap.points]
+    members = gap.points[((around > box[0] - margin) & (around < box[1] + margin)).all(axis=1)]
+    return replace(gap, shape=shape, points=members, area=float(cut.area), low=low, high=high)
 
 
 def _unseen_edges(part: Gap, boundary: Boundary, shadows: Shadows) -> dict[Side, tuple[float, float]]:

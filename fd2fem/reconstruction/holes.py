@@ -256,6 +256,15 @@ def _overridden(holes: tuple[Hole, ...], overrides: tuple[Override, ...]) -> tup
             raise InputError(msg)
         hole = found[number]
         kind = HoleKind(override.verdict)
+        before = hole.evidence.get("override")
+        if before == kind.value:
+            continue
+        if before is not None:
+            msg = (
+                f"Invalid override: the hole at x = {override.x:g}, z = {override.z:g} m has two, "
+                f"{before} and {kind.value}."
+            )
+            raise InputError(msg)
         found[number] = replace(
             hole,
             kind=kind,

@@ -1,12 +1,17 @@
 """The settings of a reconstruction."""
 
 from dataclasses import dataclass
+from math import isfinite
 
 from fd2fem.errors import InputError
 from fd2fem.model import HoleKind
 from fd2fem.model.checks import check_positive
 
 __all__ = ["Override", "ReconstructionOptions"]
+
+
+WIDEST_BAND = 0.5
+"""No wall's face is so uneven, m."""
 
 
 @dataclass(frozen=True)
@@ -24,6 +29,11 @@ class Override:
     x: float
     z: float
     verdict: HoleKind
+
+    def __post_init__(self) -> None:
+        if not (isfinite(self.x) and isfinite(self.z)):
+            msg = f"Invalid override: expected a finite place, got x = {self.x}, z = {self.z}."
+            raise InputError(msg)
 
 
 @dataclass(frozen=True)
@@ -91,12 +101,6 @@ class ReconstructionOptions:
         for name in ("threshold", "max_voxel", "wall_band"):
             if getattr(self, name) is not None:
                 check_positive(name, getattr(self, name))
-        if self.threshold is not None and self.threshold > self.min_opening / 2:
-            msg = (
-                f"Invalid 'threshold': {self.threshold} m is more than half of the smallest opening "
-                f"({self.min_opening} m), which it would bridge."
-            )
-            raise InputError(msg)
         for name, least in (("seed", 0), ("wall", 1)):
             if getattr(self, name) < least:
                 msg = f"Invalid '{name}': expected {least} or more, got {getattr(self, name)}."
@@ -105,14 +109,31 @@ class ReconstructionOptions:
             if not 0.0 <= getattr(self, name) <= 1.0:
                 msg = f"Invalid '{name}': expected a share between 0 and 1, got {getattr(self, name)}."
                 raise InputError(msg)
-        if self.min_aspect >= self.max_aspect:
-            msg = f"Invalid 'min_aspect': expected less than max_aspect = {self.max_aspect}."
+        self._check_limits()
+
+    def _check_limits(self) -> None:
+        """Raise where one length forbids another."""
+        half = self.min_opening / 2
+        if self.threshold is not None and self.threshold > half:
+            msg = (
+                f"Invalid 'threshold': {self.threshold} m is more than half of the smallest opening "
+                f"({self.min_opening} m), which it would bridge."
+            )
             raise InputError(msg)
-        if self.max_voxel is not None and self.max_voxel >= self.min_opening / 2:
+        if self.max_voxel is not None and self.max_voxel >= half:
             msg = (
                 f"Invalid 'max_voxel': {self.max_voxel} m is not less than half of the smallest opening "
                 f"({self.min_opening} m)."
             )
+            raise InputError(msg)
+        if self.wall_band is not None and self.wall_band > WIDEST_BAND:
+            msg = (
+                f"Invalid 'wall_band': {self.wall_band} m is more than {WIDEST_BAND} m; frames and glass would "
+                "count as wall."
+            )
+            raise InputError(msg)
+        if self.min_aspect >= self.max_aspect:
+            msg = f"Invalid 'min_aspect': expected less than max_aspect = {self.max_aspect}."
             raise InputError(msg)
 
     @property

@@ -77,6 +77,9 @@ def ray_map(cloud: PointCloud, points: FacadePoints) -> RayMap:
     RayMap
     """
     low, high = points.xz.min(axis=0), points.xz.max(axis=0)
+    if points.ground is not None:
+        # Cars may hide the foot of the wall from end to end.
+        low[1] = min(low[1], points.ground)
     cell = max(RAY_CELL * points.spacing, FINEST)
     raster = _Raster(low - cell, cell, tuple(np.ceil((high - low) / cell).astype(int) + 2))
     stations = len(points.scanners)

@@ -12,6 +12,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from fd2fem.errors import ReconstructionError
 from fd2fem.model import Side, SpacingGrid
 from fd2fem.reconstruction.outline_edges import (
     REACH,
@@ -104,12 +105,25 @@ def fit_outline(
     bottom = float(extent[0][1]) if ground is None else ground
     chain, aside = _first_guess(wall, seen, extent, bottom, sure=hidden is not None)
     wall, fixed = replace(wall, gaps=[*gaps, *aside]), ground is not None
-    fitted = without_slivers(_settled(chain, wall, fixed=fixed), min_feature / 4.0)
-    if not shapely.Polygon(close(fitted)).is_valid:
+    fitted = _fitted(chain, wall, fixed=fixed)
+    if fitted is None:
         fitted = _settled(_plain(chain), wall, fixed=fixed)
     return OutlineFit(
         close(fitted), np.array([edge.sigma for edge in fitted]), tuple(edge.kind for edge in fitted)
     )
+
+
+def _fitted(chain: list[Edge], wall: WallPoints, *, fixed: bool) -> list[Edge] | None:
+    """The edges where their points say that they are, or None where these do not make a ring."""
+    try:
+        fitted = without_slivers(
+            _settled(without_parallels(chain), wall, fixed=fixed), wall.min_feature / 4.0
+        )
+        ring = close(fitted)
+    except ReconstructionError:
+        # Ragged points can make neighbours of edges that run side by side and meet nowhere.
+        return None
+    return fitted if shapely.Polygon(ring).is_valid else None
 
 
 def _first_guess(

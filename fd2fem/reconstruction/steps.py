@@ -5,7 +5,7 @@ from time import perf_counter
 from typing import Any
 
 from fd2fem.model import Boundary, FacadePoints, HoleKind, PointCloud, Reconstruction
-from fd2fem.reconstruction.assembly import assemble_facade, draft_openings, move_to_corner
+from fd2fem.reconstruction.assembly import assemble_facade, draft_openings, move_to_corner, settle_conflicts
 from fd2fem.reconstruction.boundary import find_boundary
 from fd2fem.reconstruction.boundary_lines import boundary_lines
 from fd2fem.reconstruction.caveats import edge_warnings, hole_warnings, opening_warnings
@@ -66,6 +66,8 @@ def reconstruct(cloud: PointCloud, *, options: ReconstructionOptions = DEFAULTS)
     lines = boundary_lines(view, tree)
     drafts = fit_tops(view, draft_openings(holes, lines), options=options)
     clock["boundary_lines"] = perf_counter()
+    drafts, refused = settle_conflicts(drafts, outline.ring)
+    holes = tuple(refused.get(number, hole) for number, hole in enumerate(holes))
     filled = [hole for hole in holes if hole.kind is HoleKind.OCCLUSION]
     facade = assemble_facade(points, outline, drafts, filled, options=options)
     voxels = voxelise(facade, max_size=options.voxel_limit, tolerance=options.voxel_tolerance)
@@ -76,7 +78,7 @@ def reconstruct(cloud: PointCloud, *, options: ReconstructionOptions = DEFAULTS)
         *outline.warnings,
         *hole_warnings(holes, facade, options),
         *opening_warnings(facade, options),
-        *edge_warnings(lines, holes, options, sampling),
+        *edge_warnings(view, lines),
     ]
     record = {
         "points": {"read": len(cloud), "on_facade": len(points.xz)},

@@ -124,7 +124,7 @@ def _failed(evidence: Evidence, options: ReconstructionOptions) -> str:
     reason = equation_1(evidence.height, evidence.length, options=options)
     if not reason and evidence.rectangularity < options.min_rectangularity:
         reason = (
-            f"fills {100 * evidence.rectangularity:.0f} % of its rectangle, "
+            f"fills {int(100 * evidence.rectangularity)} % of its rectangle, "
             f"under {100 * options.min_rectangularity:.0f} %"
         )
     if not reason and evidence.at_edge:

@@ -25,6 +25,8 @@ PRICE = 50.0
 """Of a piece of the skyline, in squares of a third of the least feature."""
 SHORT, STEEP = 4, 1.0
 """A piece of so few columns with such a slope is a step."""
+STEPPED = 2.0
+"""A column on a step is farther from its neighbours than these from theirs, by such a factor."""
 PARALLEL = 0.05
 """Difference of slope from which two pieces meet in a corner."""
 LEAN = 2.0
@@ -37,6 +39,8 @@ LEAST_END = 1.0
 """Shortest piece of a wall's end, m."""
 NOTCH = (1.0, 0.5)
 """Least width and height of a missing lower corner, m ..."""
+NOTCH_COLUMNS = 10
+"""Columns at the corner that tell the height of a notch."""
 NOTCH_UNSEEN = 2.0
 """... and the least height where no scanner position tells whether a car hid it."""
 
@@ -132,7 +136,7 @@ def top_edges(
     z = np.interp(x, x[known], z[known])
     least = max(3, int(np.ceil(wall.min_feature / size)))
     narrow = _narrow(z, least + 1, least + 1 if sure else max(least + 1, len(z) // 3), least_step(wall))
-    weight = known & ~narrow
+    weight = known & ~narrow & ~_on_steps(z, least_step(wall))
     if np.count_nonzero(weight) < least:
         weight = known
     aside = _strips(x, z, ~weight, size)
@@ -191,12 +195,25 @@ def _narrow(z: FloatArray, peak: int, gap: int, step: float) -> BoolArray:
     # Beyond its ends there is no wall: a low end is no gap, and a high one may be a narrow peak.
     margin = max(peak, gap)
     padded = np.pad(z, margin, constant_values=float(z.min()) - 1e3)
-    opened, closed = (
-        of(padded, size=size)[margin:-margin]
-        for of, size in ((ndimage.grey_opening, peak), (ndimage.grey_closing, gap))
-    )
-    narrow: BoolArray = (z - opened > step) | (closed - z > step)
+    opened = ndimage.grey_opening(padded, size=peak)
+    peaks = padded - opened > step
+    # Peaks first, or what lies between two of them would be a gap, and none would be left.
+    padded = np.where(peaks, opened, padded)
+    gaps = ndimage.grey_closing(padded, size=gap) - padded > step
+    narrow: BoolArray = (peaks | gaps)[margin:-margin]
     return narrow
+
+
+def _on_steps(z: FloatArray, step: float) -> BoolArray:
+    """Columns that a step runs through: far from both neighbours, while these keep to theirs."""
+    fall = np.diff(z, prepend=z[0], append=z[-1])
+    size = np.abs(fall)
+    within, after = size[:-1], size[1:]
+    beside = np.maximum(np.append(0.0, size[:-2]), np.append(size[2:], 0.0))
+    on_step: BoolArray = (fall[:-1] * fall[1:] > 0.0) & (
+        np.minimum(within, after) > np.maximum(step, STEPPED * beside)
+    )
+    return on_step
 
 
 def _merged(
@@ -289,6 +306,10 @@ def corner_notch(
     above = -seen.reach[order] - bottom
     least = NOTCH[1] if sure else NOTCH_UNSEEN
     gone = seen.known[order] & (above > least)
+    # An opening beside the missing corner is another matter: the notch ends where its height changes.
+    if gone.any():
+        level = float(np.median(above[np.flatnonzero(gone)[:NOTCH_COLUMNS]]))
+        gone &= np.abs(above - level) < least_step(wall)
     run = int(np.argmin(gone | ~seen.known[order])) if len(order) and not gone.all() else 0
     shown = np.flatnonzero(gone[:run])
     size = float(np.median(np.diff(seen.along)))

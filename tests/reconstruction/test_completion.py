@@ -57,3 +57,10 @@ def test_edges_that_were_seen_stay():
     hidden = draft(1.0, 0.0, 1.2, 2.6, unseen={Side.BOTTOM: (0.0, 1.5)}, door=True)
     for before, after in zip(ROW, complete_edges([hidden, *ROW])[1:], strict=True):
         assert after is before
+
+
+def test_jamb_comes_from_another_storey_where_nothing_else_tells():
+    above = [draft(2.0, 4.0, 1.4, 1.6), draft(2.05, 7.0, 1.35, 1.6)]
+    hidden = draft(1.0, 1.0, 2.2, 1.6, unseen={Side.RIGHT: (3.2, 3.45)})
+    done = complete_edges([hidden, *above])[0]
+    assert done.position[Side.RIGHT] == pytest.approx(3.4)
