@@ -157,7 +157,8 @@ def assemble_facade(
         If the lines of an opening cross, or openings touch.
     """
     openings = [_opening(draft) for draft in drafts]
-    filled = [_filled(hole, outline.ring) for hole in occlusions]
+    # A filled hole is there to be looked at: its ragged outline need not be kept to every point.
+    filled = [_filled(hole, outline.ring, points.spacing / 2.0) for hole in occlusions]
     try:
         return Facade(
             outline.ring,
@@ -200,12 +201,12 @@ def _ring(draft: Draft) -> FloatArray:
     return rectangle(left, bottom, right - left, top - bottom) if draft.ring is None else draft.ring
 
 
-def _filled(hole: Hole, ring: FloatArray) -> FilledHole | None:
+def _filled(hole: Hole, ring: FloatArray, tolerance: float) -> FilledHole | None:
     """The largest part of an occlusion that lies on the wall."""
     on_wall = shapely.Polygon(hole.loop).intersection(shapely.Polygon(ring))
     pieces = [piece for piece in getattr(on_wall, "geoms", [on_wall]) if isinstance(piece, shapely.Polygon)]
     pieces = [piece for piece in pieces if piece.area > 0.0]
     if not pieces:
         return None
-    largest = max(pieces, key=lambda piece: piece.area)
+    largest = max(pieces, key=lambda piece: piece.area).simplify(tolerance)
     return FilledHole(np.array(largest.exterior.coords), hole.reason, hole.evidence)

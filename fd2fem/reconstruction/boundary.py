@@ -39,6 +39,8 @@ RAISE, RAISES = 1.15, 6
 """Factor by which it is raised, and how often."""
 SOLID = 0.1
 """A wall covers at least this share of its convex hull."""
+SPARSE_SHARE = 0.05
+"""Sparse points on a smaller share of the wall are not worth a word."""
 SPARSE = 2.2
 """So much larger than asked for, at most, may the smallest opening be that the points can show."""
 
@@ -242,7 +244,8 @@ def _warnings(
             f"The points lie {1000 * np.median(spacing.edge):.0f} mm apart, too far to show openings of "
             f"{options.min_opening:g} m: those under {min_opening:.2f} m may be missing.",
         )
-    if sparse_cells.any():
+    # Beside gables and at ragged ends a few patches hold hardly any wall.
+    if sparse_cells.mean() > SPARSE_SHARE:
         return (
             f"On {100 * sparse_cells.mean():.0f} % of the wall the points lie up to "
             f"{1000 * spacing.edge.max():.0f} mm apart: openings under {2 * over_wall.max():.2f} m may be "

@@ -1,11 +1,14 @@
 """What the user should know before trusting a facade: where the points do not show what was assumed."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import shapely
 
 from fd2fem.model import BoundaryLine, Facade, Hole, HoleKind, OpeningKind
+from fd2fem.reconstruction.completion import Draft
 from fd2fem.reconstruction.options import ReconstructionOptions
-from fd2fem.reconstruction.strips import Place, View, edge_beside, seen_place
+from fd2fem.reconstruction.strips import Place, View, edge_beside, sampling_at, seen_place
 
 __all__ = ["edge_warnings", "hole_warnings", "opening_warnings"]
 
@@ -13,6 +16,10 @@ SEEN_THROUGH = 0.3
 """A hole that rays passed in so much of it is hardly an occlusion."""
 UNSURE = 0.7
 """A verdict with less confidence than this is worth a second look."""
+SURE = 5.0
+"""The halves of an edge must differ by so many standard errors: a facade has hundreds of edges."""
+LONG = 20.0
+"""Of an edge shorter than so many point spacings, the halves tell too little."""
 SLANT = np.radians(2.0)
 """An edge that leans more, and by more than its errors explain, is reported."""
 
@@ -52,10 +59,13 @@ def opening_warnings(facade: Facade, options: ReconstructionOptions) -> list[str
     return warnings
 
 
-def edge_warnings(view: View, lines: tuple[BoundaryLine, ...]) -> list[str]:
-    """Edges of openings that were taken as upright or level, and are not."""
+def edge_warnings(view: View, lines: tuple[BoundaryLine, ...], drafts: Sequence[Draft]) -> list[str]:
+    """Edges of rectangular openings that were taken as upright or level, and are not."""
+    rectangles = {draft.number for draft in drafts if draft.ring is None}
     warnings = []
     for line in lines:
+        if line.hole not in rectangles:
+            continue
         along = 1 if line.side.vertical else 0
         run = np.abs(line.end - line.start)
         if run[along] < view.boundary.min_opening or run[1 - along] < np.tan(SLANT) * run[along]:
@@ -74,6 +84,9 @@ def _slope(view: View, line: BoundaryLine) -> float:
     place = seen_place(line.hole, view.holes[line.hole])
     along = 1 if line.side.vertical else 0
     middle = (place.low + place.high) / 2.0
+    length = float((place.high - place.low)[along])
+    if length < LONG * sampling_at(view, middle).spacing:
+        return 0.0
     found = []
     for half in (0, 1):
         low, high = place.low.copy(), place.high.copy()
@@ -82,4 +95,4 @@ def _slope(view: View, line: BoundaryLine) -> float:
         found.append(edge_beside(view, Place(line.hole, low, high), line.side, float(guess)))
     change = found[1][0] - found[0][0]
     error = float(np.hypot(found[0][1], found[1][1]))
-    return 2.0 * change / float((place.high - place.low)[along]) if abs(change) > 3.0 * error else 0.0
+    return 2.0 * change / length if abs(change) > SURE * error else 0.0

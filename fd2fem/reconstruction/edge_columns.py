@@ -73,17 +73,18 @@ def outermost_column(distance: FloatArray, widest: float, blur: float) -> tuple[
     position, sigma : float, m
         None where there are no even columns, or the outermost is one of them.
     """
-    parts = np.split(distance, np.flatnonzero(np.diff(distance) > widest / 4.0) + 1)
-    if len(parts) < 5 or len(parts[0]) < 3:
+    starts = np.flatnonzero(np.diff(distance, prepend=-np.inf) > widest / 4.0)
+    size = np.diff(starts, append=len(distance))
+    if len(size) < 5 or size[0] < 3:
         return None
-    column = np.array([part.mean() for part in parts])
-    width = float(np.median([part.std() for part in parts]))
-    size = np.array([len(part) for part in parts])
+    column = np.add.reduceat(distance, starts) / size
     apart = np.diff(column)
     typical, usual = float(np.median(apart[1:])), float(np.median(size[1:-1]))
-    even = max(float(np.ptp(apart[1:])), 1.5 * width) < EVEN * typical
     alike = np.abs(size[1:-1] - usual).max() < 0.4 * usual
-    if not even or not alike or apart[0] > SHORT * typical:
+    if not alike or np.ptp(apart[1:]) > EVEN * typical or apart[0] > SHORT * typical:
+        return None
+    variance = np.add.reduceat((distance - np.repeat(column, size)) ** 2, starts) / size
+    if 1.5 * np.sqrt(np.median(variance)) > EVEN * typical:
         return None
     whole = size[0] > FULL * usual and apart[0] > 0.45 * typical
     rest = max(0.0, float(apart[0]) - typical / 2.0) if whole else 0.0

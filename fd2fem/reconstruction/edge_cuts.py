@@ -22,8 +22,6 @@ SMOOTH = 0.7
 DRAWS: FloatArray = np.random.default_rng(0).standard_normal(CUTS * 2 * BLUR_BINS).reshape(CUTS, -1)
 """Normal numbers that stay the same, so that a result does."""
 
-_windows = np.lib.stride_tricks.sliding_window_view
-
 
 def cut_errors(
     counts: FloatArray, profile: EdgeProfile, *, first: int, widest: float, noise: float
@@ -58,7 +56,7 @@ def cut_errors(
         return np.empty(0)
     if len(cuts) > CUTS:
         cuts = cuts[np.linspace(0, len(cuts) - 1, CUTS).astype(np.intp)]
-    strips = _windows(counts, BLUR_BINS + ahead)[cuts - BLUR_BINS].copy()
+    strips = _windows(counts, cuts - BLUR_BINS, BLUR_BINS + ahead)
     if noise > 0.0:
         near = strips[:, : 2 * BLUR_BINS]
         near[:] = _cut_blurred(near, _share_inside(counts, cuts, step=step, noise=noise))
@@ -106,9 +104,14 @@ def _share_inside(counts: FloatArray, cuts: NDArray[np.intp], *, step: float, no
     shift = np.clip(total * slope, -3.0 * noise, 3.0 * noise)
     scatter = noise * np.sqrt(np.clip(1.0 + total * bend, 1e-4, 1.0))
     distance = (np.arange(-BLUR_BINS, BLUR_BINS) + 0.5) * step
-    window, start = 2 * BLUR_BINS, cuts - BLUR_BINS
-    share: FloatArray = ndtr((distance + _windows(shift, window)[start]) / _windows(scatter, window)[start])
+    shifts, scatters = (_windows(values, cuts - BLUR_BINS, 2 * BLUR_BINS) for values in (shift, scatter))
+    share: FloatArray = ndtr((distance + shifts) / scatters)
     return share
+
+
+def _windows(values: FloatArray, starts: NDArray[np.intp], length: int) -> FloatArray:
+    """So many of the values (m,) from each start on: (c, length)."""
+    return values[np.add.outer(starts, np.arange(length))]
 
 
 def _whole_gaps(errors: FloatArray) -> slice:

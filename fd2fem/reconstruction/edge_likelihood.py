@@ -87,11 +87,23 @@ def locate(counts: FloatArray, profile: EdgeProfile) -> tuple[FloatArray, FloatA
     bins = counts.shape[1]
     distance = (np.arange(1 - bins, bins) + 0.5) * profile.step
     weight = np.log(profile.density(distance) + profile.stray)
-    # Row e of the table holds the weights of all bins for an edge at the outer end of bin e.
-    table = np.lib.stride_tricks.sliding_window_view(weight, bins)[::-1]
     edges = np.arange(bins) * profile.step
-    likelihood = profile.sharpness * (counts @ table.T + profile.rate * edges)
+    likelihood = profile.sharpness * (_weighted(counts, weight) + profile.rate * edges)
     density = np.exp(likelihood - likelihood.max(axis=1, keepdims=True))
     density /= density.sum(axis=1, keepdims=True)
     mean = density @ edges
     return mean, np.sqrt(np.maximum(density @ edges**2 - mean**2, 0.0))
+
+
+def _weighted(counts: FloatArray, weight: FloatArray) -> FloatArray:
+    """For an edge at the outer end of each of m bins, the sum of counts (c, m) times their weights, (c, m).
+
+    The weights (2 m - 1,) are those of the bins from m - 1 before the edge to m - 1 behind it.
+    """
+    if len(counts) == 1:
+        return np.correlate(weight, counts[0], "valid")[None, ::-1]
+    bins = counts.shape[1]
+    # Column e of the table holds the weights of all bins for an edge at the outer end of bin e.
+    table = weight[bins - 1 + np.subtract.outer(np.arange(bins), np.arange(bins))]
+    weighted: FloatArray = counts @ table
+    return weighted

@@ -1,6 +1,7 @@
 """Where an edge really is: the outermost sample lies inside it by a fraction of the point spacing."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,13 +63,13 @@ class _Strip:
         """Where the first dense place begins, m."""
         return float(self.distance[self.first])
 
-    @property
+    @cached_property
     def gaps(self) -> FloatArray:
         """Between neighbouring distances on the wall, m."""
         gaps: FloatArray = np.diff(self.distance[self.first :])
         return gaps
 
-    @property
+    @cached_property
     def clumping(self) -> float:
         """Mean distance from a cut to the next point, by that of random points: 1, or more for columns."""
         gaps = self.gaps
@@ -129,6 +130,9 @@ def edge_position(
     if strip is None:
         return 0.0, spacing
     profile = _profile(strip, spacing, noise=noise, exclusion=exclusion)
+    if reach - strip.edge < profile.step:
+        # All of the points lie as deep as the strip reaches: they say nothing of the edge.
+        return 0.0, spacing
     position, bias, variance = _located(strip, profile, spacing, reach=reach, noise=noise)
     crowded = _crowding_seen(strip, profile, position - bias, RIM * spacing)
     if crowded > 0.0:
@@ -154,12 +158,14 @@ def _rows_that_show_the_edge(inward: FloatArray, along: FloatArray, spacing: flo
     length = float(np.ptp(along))
     rows = max(1, int(length / max(8.0 * spacing, 0.1)))
     row = np.minimum((along - along.min()) * (rows / max(length, 1e-9)), rows - 1).astype(np.intp)
-    order = np.lexsort((inward, row))
-    start = np.searchsorted(row[order], np.arange(rows + 1))
+    # One row behind another, so that they are sorted at once.
+    lengths = np.arange(rows + 1) * (1.0 + float(np.ptp(inward))) - inward.min()
+    ranked = np.sort(lengths[row] + inward)
+    start = np.searchsorted(ranked, lengths + inward.min())
     filled = np.flatnonzero(np.diff(start) > 0)
     # Of the eight points per spacing that a row has: strays do not count, nor does a sliver that was seen.
     sixth = np.full(rows, np.inf)
-    sixth[filled] = inward[order][np.minimum(start[filled] + 5, start[filled + 1] - 1)]
+    sixth[filled] = ranked[np.minimum(start[filled] + 5, start[filled + 1] - 1)] - lengths[filled]
     seen = np.sort(sixth[filled])
     level = float(seen[min(1, len(seen) // 4)])
     shown = sixth < level + 1.5 * spacing
@@ -214,7 +220,8 @@ def _located(
 ) -> tuple[float, float, float]:
     """Position of the edge, its bias (m) and its variance (m²)."""
     step = profile.step
-    start = strip.edge - MARGIN * spacing
+    # The edge's own point lies in the middle of a bin: on the border of two, rounding would decide.
+    start = strip.edge - (np.round(MARGIN * spacing / step) + 0.5) * step
     counts = _histogram(strip.distance - start, reach - start, step)
     found, scatter = locate(counts[None, : int((MARGIN + SEARCH) * spacing / step)], profile)
     crowded = strip.edge + 3.5 * profile.crowded_depth if profile.crowding else -np.inf

@@ -11,7 +11,7 @@ from fd2fem.model.frame import OutOfPlane
 from fd2fem.reconstruction.patches import connected_face
 from fd2fem.reconstruction.pavement import Pavement, find_pavement
 from fd2fem.reconstruction.relief import depth_behind, fit_relief
-from fd2fem.reconstruction.thinning import Sample, pick
+from fd2fem.reconstruction.thinning import Sample, chunks, pick
 from fd2fem.reconstruction.walls import MIN_POINTS, NEAR_PLANE, largest_part, robust_scatter, wall_density
 
 __all__ = [
@@ -31,6 +31,8 @@ BESIDE = 0.12
 """The face and its bow lie so near the plane, m."""
 ENOUGH = 100_000
 """So many points of the sample show the face."""
+REFITS = 6
+"""Times that the plane is fitted anew to what lies in a band that was given."""
 NARROW, WIDE = 0.015, 0.06
 """Limits of the band, m."""
 SCATTERS = 4.0
@@ -95,8 +97,11 @@ def frame_through(local: FloatArray, frame: FacadeFrame) -> FacadeFrame:
         In which the points are given, nearly that of the wall.
     """
     middle = np.array([column.mean() for column in local.T])
-    away = local.T - middle[:, None]
-    normal = np.linalg.eigh(away @ away.T)[1][:, 0]
+    squares = np.zeros((3, 3))
+    for part in chunks(len(local)):
+        away = local[part].T - middle[:, None]
+        squares += away @ away.T
+    normal = np.linalg.eigh(squares)[1][:, 0]
     normal *= np.sign(normal[1])
     origin = np.array([0.0, middle @ normal / normal[1], 0.0])
     return frame_of(origin @ frame.axes + frame.origin, normal @ frame.axes)
@@ -149,11 +154,7 @@ def find_face(
         If too few points lie on the plane.
     """
     local = in_frame(sample, frame)
-    beside = np.abs(local[:, 1]) < BESIDE
-    pavement = find_pavement(local, box)
-    if pavement is not None:
-        beside &= pavement.clear_of(local, 0.0)
-    near = pick(local, np.flatnonzero(beside)[:ENOUGH])
+    near = _near_plane(local, box, BESIDE)
     part = connected_face(near, box, frame.to_facade(scanners))
     if len(part) < MIN_POINTS:
         msg = f"No wall found: the best plane holds {len(part)} points, expected at least {MIN_POINTS}."
@@ -161,7 +162,9 @@ def find_face(
     near = pick(near, part)
     plane = frame_through(near, frame)
     near, local, frame = change_frame(near, frame, plane), change_frame(local, frame, plane), plane
-    relief = fit_relief(near)
+    if band is not None and band > BESIDE / 2.0:
+        near, local, frame = _through_layers(near, local, frame, band)
+    relief = fit_relief(near, farthest=max(NEAR_PLANE, 0.0 if band is None else band / 2.0))
     depth = depth_behind(relief, local)
     scatter = robust_scatter(depth[np.abs(depth) < NEAR_PLANE])
     width = float(np.clip(SCATTERS * scatter, NARROW, WIDE)) if band is None else band
@@ -170,6 +173,30 @@ def find_face(
     xz = pick(xz, largest_part(xz, around=near[:, [0, 2]]))
     spacing = float(np.sqrt(share / wall_density(xz)))
     return Face(frame, relief, width, scatter, local, depth, xz, spacing, pavement)
+
+
+def _through_layers(
+    near: FloatArray, local: FloatArray, frame: FacadeFrame, band: float
+) -> tuple[FloatArray, FloatArray, FacadeFrame]:
+    """The plane through all that lies in the band about it: a wall's pilasters, panels and set-backs.
+
+    Returns the points near it and the sample in its frame, and the frame.
+    """
+    for _ in range(REFITS):
+        wide = _near_plane(local, _box(near), band)
+        near = pick(wide, largest_part(wide[:, [0, 2]], around=near[:, [0, 2]]))
+        plane = frame_through(near, frame)
+        near, local, frame = change_frame(near, frame, plane), change_frame(local, frame, plane), plane
+    return near, local, frame
+
+
+def _near_plane(local: FloatArray, box: Box, width: float) -> FloatArray:
+    """Some points of the sample within a width, m, of its plane and above the pavement before a box."""
+    beside = np.abs(local[:, 1]) < width
+    pavement = find_pavement(local, box)
+    if pavement is not None:
+        beside &= pavement.clear_of(local, 0.0)
+    return pick(local, np.flatnonzero(beside)[:ENOUGH])
 
 
 def _box(local: FloatArray) -> Box:

@@ -184,12 +184,13 @@ def revoxelise(
 
 
 def _touched(lower: FloatArray, upper: FloatArray, rings: list[FloatArray]) -> NDArray[np.bool_]:
-    """Whether any line of the rings comes near each voxel."""
-    lines = np.asarray([shapely.linearrings(ring) for ring in rings])
-    boxes: NDArray[np.object_] = np.asarray(shapely.box(*lower.T, *upper.T))
-    _, near = shapely.STRtree(boxes).query(lines, predicate="intersects")
+    """Whether the box around any line of the rings meets each voxel."""
+    left, foot, right, head = (np.ascontiguousarray(column) for column in (*lower.T, *upper.T))
     touched = np.zeros(len(lower), dtype=bool)
-    touched[near] = True
+    for ring in rings:
+        ends = np.stack([ring, np.roll(ring, -1, axis=0)])
+        for low, high in zip(ends.min(axis=0), ends.max(axis=0), strict=True):
+            touched |= (left <= high[0]) & (right >= low[0]) & (foot <= high[1]) & (head >= low[1])
     return touched
 
 
@@ -197,17 +198,17 @@ def _cut(
     lower: FloatArray, upper: FloatArray, axis: int, position: float, span: tuple[float, float]
 ) -> tuple[FloatArray, FloatArray]:
     """Cut the voxels in two that a line at `position` crosses within its span."""
-    crossed = (lower[:, axis] < position - COINCIDE) & (upper[:, axis] > position + COINCIDE)
-    crossed &= (lower[:, 1 - axis] < span[1] - COINCIDE) & (upper[:, 1 - axis] > span[0] + COINCIDE)
-    if not crossed.any():
+    crosses = (lower[:, axis] < position - COINCIDE) & (upper[:, axis] > position + COINCIDE)
+    crosses &= (lower[:, 1 - axis] < span[1] - COINCIDE) & (upper[:, 1 - axis] > span[0] + COINCIDE)
+    crossed = np.flatnonzero(crosses)
+    if len(crossed) == 0:
         return lower, upper
-    near_upper, far_lower = upper[crossed].copy(), lower[crossed].copy()
-    near_upper[:, axis] = position
-    far_lower[:, axis] = position
-    return (
-        np.concatenate([lower[~crossed], lower[crossed], far_lower]),
-        np.concatenate([upper[~crossed], near_upper, upper[crossed]]),
-    )
+    # The near parts take the place of the whole voxels, the far ones come last.
+    count = len(lower)
+    lower, upper = np.concatenate([lower, lower[crossed]]), np.concatenate([upper, upper[crossed]])
+    upper[crossed, axis] = position
+    lower[count:, axis] = position
+    return lower, upper
 
 
 def crossings(start: FloatArray, end: FloatArray, ring: FloatArray) -> IntArray:
@@ -232,14 +233,16 @@ def crossings(start: FloatArray, end: FloatArray, ring: FloatArray) -> IntArray:
     """
     total = np.zeros(len(start), dtype=np.intp)
     along = end - start
+    offset = _cross(along, ring[0] - start)
     for first, second in zip(ring, np.roll(ring, -1, axis=0), strict=True):
+        next_offset = _cross(along, second - start)
         # "On the segment" counts as left of it, so that a corner counts once.
-        left_first = _cross(along, first - start) >= 0.0
-        left_second = _cross(along, second - start) >= 0.0
+        passes = np.flatnonzero((offset >= 0.0) != (next_offset >= 0.0))
         side = second - first
-        about_start = _cross(side, start - first)
-        about_end = _cross(side, end - first)
-        total += (left_first != left_second) & (about_start * about_end < 0.0)
+        about_start = _cross(side, start[passes] - first)
+        about_end = _cross(side, end[passes] - first)
+        total[passes] += about_start * about_end < 0.0
+        offset = next_offset
     return total
 
 
@@ -271,9 +274,11 @@ def fly(centres: FloatArray, outline: FloatArray, openings: tuple[FloatArray, ..
         odd += crossings(centres, end, outline) % 2
     # All four agree unless a centre lies on a line within rounding; then the majority decides.
     case = np.where(odd >= 2, int(Case.IN_WALL), int(Case.OUTSIDE))
+    x, z = np.ascontiguousarray(centres.T)
     for ring in openings:
         shape = shapely.Polygon(ring)
-        near = np.flatnonzero(((centres > ring.min(axis=0)) & (centres < ring.max(axis=0))).all(axis=1))
+        (left, foot), (right, head) = ring.min(axis=0), ring.max(axis=0)
+        near = np.flatnonzero((x > left) & (x < right) & (z > foot) & (z < head))
         if shape.convex_hull.area - shape.area < 1e-9 * shape.area:
             target = np.broadcast_to(np.array(shape.centroid.coords[0]), (len(near), 2))
             inside = crossings(centres[near], target, ring) == 0

@@ -33,8 +33,6 @@ CORNER = 1.0
 OUTER = 0.7
 """Columns between this place and the jamb, 1, are the corners'; a corner of which less than half shows says
 nothing."""
-CORNER_COLUMNS = 2.6
-"""A corner is at least so many columns wide, of which the one at the jamb says little."""
 RISES = 16
 """Rises tried per shape; half as many between the best one's neighbours."""
 MISS = 3.0
@@ -56,6 +54,8 @@ RANGES = {
     HeadKind.GABLED: (0.12, 1.2),
 }
 """Least and largest rise of each shape, as shares of the width. Flatter arcs are sagging lintels."""
+SERIES = {kind: np.geomspace(*limits, RISES) for kind, limits in RANGES.items()}
+"""The rises that are tried, as shares of the width."""
 
 
 def fit_head(
@@ -124,17 +124,14 @@ def _chosen(columns: Columns, flat: Fit, spacing: float) -> Fit:
     if best.likelihood < flat.likelihood + EVIDENCE:
         return flat
     in_corner = columns.lowest < best.crown - CORNER * spacing
-    # Of few columns, as on sparse scans, the outer two are each corner's.
-    outer = min(OUTER, 1.0 - 2.0 * CORNER_COLUMNS / columns.count)
-    sides = [columns.middle < -outer, columns.middle > outer]
-    enough = max(2.0, 0.25 * (1.0 - outer) * columns.count)
+    sides = [columns.middle < -OUTER, columns.middle > OUTER]
+    enough = max(2.0, 0.25 * (1.0 - OUTER) * columns.count)
     shown = [bool((side & in_corner).any()) for side in sides if np.count_nonzero(side) >= enough]
     return best if shown and all(shown) else flat
 
 
 def _rises(columns: Columns, kind: HeadKind) -> FloatArray:
-    low, high = RANGES[kind]
-    return 2.0 * columns.half * np.geomspace(low, high, RISES)
+    return 2.0 * columns.half * SERIES[kind]
 
 
 def _finer(columns: Columns, coarse: Fit) -> Fit:

@@ -28,6 +28,8 @@ FloatArray = NDArray[np.float64]
 
 ON_WALL = 0.5
 """A gap is in the wall when more of it than this share is."""
+MOSTLY = 0.5
+"""A row of cells lies in shadow when more of it does."""
 TOUCHING = 0.02
 """A gap that comes so near to an end or the top of the wall, m, reaches it."""
 SHOWN = 0.3
@@ -69,7 +71,7 @@ def classify_holes(
     """
     wall = shapely.Polygon(outline)
     gaps = [
-        _to_the_ground(gap, points, boundary)
+        _to_the_ground(gap, points, boundary, shadows)
         for gap in find_gaps(points, boundary, shadows)
         if wall.intersection(gap.shape).area > ON_WALL * gap.shape.area
     ]
@@ -83,7 +85,7 @@ def classify_holes(
     return _overridden(tuple(_without_fragments(holes, boundary.threshold)), options.overrides)
 
 
-def _to_the_ground(gap: Gap, points: FacadePoints, boundary: Boundary) -> Gap:
+def _to_the_ground(gap: Gap, points: FacadePoints, boundary: Boundary, shadows: Shadows) -> Gap:
     """A gap that is open to the ground, as a door is, reaches down to it."""
     foot = float(points.xz[:, 1].min()) if points.ground is None else points.ground
     if not _open_below(points, gap, foot, boundary.threshold):
@@ -91,7 +93,23 @@ def _to_the_ground(gap: Gap, points: FacadePoints, boundary: Boundary) -> Gap:
     unseen = dict(gap.unseen)
     if Side.BOTTOM in unseen:
         unseen[Side.BOTTOM] = (foot, unseen[Side.BOTTOM][1])
-    return replace(gap, low=np.array([gap.low[0], foot]), unseen=unseen)
+    return _hidden_foot(replace(gap, low=np.array([gap.low[0], foot]), unseen=unseen), shadows)
+
+
+def _hidden_foot(gap: Gap, shadows: Shadows) -> Gap:
+    """A door whose lowest part lies in shadow may be a window: its foot is not seen up to there."""
+    box = shapely.box(*gap.low, *gap.high)
+    window, inside = cells_inside(box, shadows.rays)
+    rows = np.flatnonzero(inside.any(axis=0))
+    if Side.BOTTOM in gap.unseen or not len(rows):
+        return gap
+    hidden = (shadows.hidden[window] & inside)[:, rows].sum(axis=0) / inside[:, rows].sum(axis=0)
+    dark = int(np.argmin(np.append(hidden > MOSTLY, False)))
+    if not dark:
+        return gap
+    # The row above may lie half in the shadow.
+    top = float(gap.low[1]) + (dark + 1) * shadows.rays.cell
+    return replace(gap, unseen={**gap.unseen, Side.BOTTOM: (float(gap.low[1]), top)})
 
 
 def _open_below(points: FacadePoints, gap: Gap, foot: float, threshold: float) -> bool:

@@ -128,7 +128,7 @@ class ReconstructionOptions:
             raise InputError(msg)
         if self.wall_band is not None and self.wall_band > WIDEST_BAND:
             msg = (
-                f"Invalid 'wall_band': {self.wall_band} m is more than {WIDEST_BAND} m; frames and glass would "
+                f"Invalid 'wall_band': {self.wall_band} m is more than {WIDEST_BAND} m; frames would "
                 "count as wall."
             )
             raise InputError(msg)

@@ -71,7 +71,9 @@ def wall_outline(
         raise ReconstructionError(msg)
     warnings: tuple[str, ...] = ()
     if not fit.rectangular:
-        warnings = (f"The wall's outline is no rectangle: it has {len(fit.ring)} corners.",)
+        warnings = (
+            f"The wall's outline is no rectangle with upright ends: see its {len(fit.ring)} corners.",
+        )
     # The pavement's level is known better than the points' spacing, but it need not be flat.
     sigma = np.where(np.isfinite(fit.sigma), fit.sigma, points.spacing / 2.0)
     return WallOutline(fit.ring, tuple(sigma.tolist()), warnings)

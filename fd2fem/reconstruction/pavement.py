@@ -72,12 +72,16 @@ def find_pavement(local: FloatArray, box: tuple[FloatArray, FloatArray]) -> Pave
     street = local[before]
     if len(street) < MIN_POINTS:
         return None
-    street = street[thin_points(street[:, :2], PLAN_CELL)]
+    everything, street = street, street[thin_points(street[:, :2], PLAN_CELL)]
     middle = 0.5 * (left + right)
-    table = np.column_stack([np.ones(len(street)), street[:, 0] - middle, street[:, 1]])
     # The part of the wall whose pavement is in sight may be too short to tell a slope along it.
-    if np.ptp(street[:, 0]) < 0.5 * (right - left):
-        table[:, 1] = 0.0
+    sloped = np.ptp(street[:, 0]) >= 0.5 * (right - left)
+
+    def terms(points: FloatArray) -> FloatArray:
+        along = points[:, 0] - middle if sloped else np.zeros(len(points))
+        return np.column_stack([np.ones(len(points)), along, points[:, 1]])
+
+    table = terms(street)
     fit = _flat_fit(table, street[:, 2])
     off = np.abs(street[:, 2] - table @ fit)
     flat = off < EVEN
@@ -87,7 +91,10 @@ def find_pavement(local: FloatArray, box: tuple[FloatArray, FloatArray]) -> Pave
     # A string course has a level top, too, but a narrow one.
     if np.percentile(-street[flat, 1], 90) < NARROWEST:
         return None
-    table, level = table[flat], street[flat, 2]
+    # Which points the cells kept depends on how the axes lie; that all of them say does not.
+    table, level = terms(everything), everything[:, 2]
+    keep = np.abs(level - table @ fit) < NEAR
+    table, level = table[keep], level[keep]
     for _ in range(3):
         fit = _least_squares(table, level)
         off = np.abs(level - table @ fit)

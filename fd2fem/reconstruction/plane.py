@@ -86,7 +86,7 @@ def find_facade(cloud: PointCloud, *, options: ReconstructionOptions) -> FacadeP
     return replace(
         points,
         walls=list_walls(walls, wall, sample, scanners),
-        warnings=wall_warnings(points, walls, wall, cut.joints),
+        warnings=wall_warnings(points, walls, wall, cut.joints, face),
     )
 
 
@@ -117,7 +117,7 @@ def _facade_points(cloud: PointCloud, face: Face, cut: WallCut, outside_by: str)
     def moved(local: FloatArray) -> FloatArray:
         return change_frame(local, face.frame, found)
 
-    xz = moved(cut.local)[:, [0, 2]]
+    xz = moved(cut.local)[:, ::2]
     order = sort_points(xz)
     xz, depth = pick(xz, order), cut.depth[order]
     return FacadePoints(

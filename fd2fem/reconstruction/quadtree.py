@@ -79,9 +79,11 @@ def build_quadtree(points: FacadePoints, boundary: Boundary, *, max_size: float)
 def leaf_of_points(xz: FloatArray, lower: FloatArray, upper: FloatArray, depth: int) -> NDArray[np.intp]:
     """Number of the leaf that holds each point of (n, 2) `xz`, m."""
     count = 2**depth
-    cell = np.floor((xz - lower) / (upper - lower) * count).astype(np.intp)
-    cell = np.clip(cell, 0, count - 1)
-    leaf: NDArray[np.intp] = cell[:, 0] * count + cell[:, 1]
+    column, row = (
+        np.clip(((values - low) / (high - low) * count).astype(np.intp), 0, count - 1)
+        for values, low, high in zip(xz.T, lower, upper, strict=True)
+    )
+    leaf: NDArray[np.intp] = column * count + row
     return leaf
 
 

@@ -81,7 +81,10 @@ def ray_map(cloud: PointCloud, points: FacadePoints) -> RayMap:
         # Cars may hide the foot of the wall from end to end.
         low[1] = min(low[1], points.ground)
     cell = max(RAY_CELL * points.spacing, FINEST)
-    raster = _Raster(low - cell, cell, tuple(np.ceil((high - low) / cell).astype(int) + 2))
+    # Counted from the middle of all points, the cells hardly move with a stray one more or less.
+    middle = points.xz.mean(axis=0)
+    low = middle - cell * np.ceil((middle - low) / cell + 1.0)
+    raster = _Raster(low, cell, tuple(np.ceil((high - low) / cell).astype(int) + 1))
     stations = len(points.scanners)
     shadow, maybe = (np.zeros((stations, *raster.shape), dtype=np.intp) for _ in range(2))
     through, inside, before = (np.zeros(raster.shape, dtype=np.intp) for _ in range(3))

@@ -87,13 +87,15 @@ def depth_behind(relief: OutOfPlane, local: FloatArray) -> FloatArray:
     return depth
 
 
-def fit_relief(local: FloatArray) -> OutOfPlane:
+def fit_relief(local: FloatArray, *, farthest: float = NEAR_PLANE) -> OutOfPlane:
     """Bend the plane to the face of the wall.
 
     Parameters
     ----------
     local : (m, 3) float array, m
         Points near the wall's plane, facade frame, in random order; more than one.
+    farthest : float, m
+        Points farther from the face have no say, where their scatter is not smaller anyway.
     """
     local = local[:POINTS]
     xz, depth = local[:, [0, 2]], local[:, 1]
@@ -116,7 +118,7 @@ def fit_relief(local: FloatArray) -> OutOfPlane:
             grid.spread(pull * depth)
         )
         moved, face = np.abs(grid.read(bent - face)[near]).max(), bent
-        reach = float(np.clip(4.0 * robust_scatter(depth - grid.read(face)), NARROWEST, NEAR_PLANE))
+        reach = float(np.clip(4.0 * robust_scatter(depth - grid.read(face)), NARROWEST, farthest))
         if moved < SETTLED:
             break
     seen = grid.spread((np.abs(depth - grid.read(face)) < reach).astype(np.float64)) > 0.0
@@ -138,7 +140,8 @@ class _Grid:
         self.first = first
         self.part = np.array([(1.0 - x) * (1.0 - z), (1.0 - x) * z, x * (1.0 - z), x * z])
         # Points beyond a full cell's share its weight.
-        self.share = np.minimum(1.0, FULL / np.bincount(first)[first])
+        count = np.bincount(first)
+        self.share, self.held = np.minimum(1.0, FULL / count[first]), np.flatnonzero(count)
 
     def read(self, values: FloatArray) -> FloatArray:
         """The map (size,) at the places."""
@@ -156,7 +159,7 @@ class _Grid:
 
     def table(self, pull: FloatArray) -> sparse.csc_array:
         """Normal equations (size, size) of the places with weights `pull`."""
-        cells = np.unique(self.first)
+        cells = self.held
         rows, columns, values = [], [], []
         for one, part in zip(self.corner, self.part, strict=True):
             for other, another in zip(self.corner, self.part, strict=True):

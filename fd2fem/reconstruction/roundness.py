@@ -10,6 +10,8 @@ __all__ = ["check_not_round"]
 
 FloatArray = NDArray[np.float64]
 
+ENOUGH = 100_000
+"""So many points of the sample show the surface."""
 COLUMN = 0.1
 """Width of the columns in which the surface is followed, m; more where points are few."""
 REACH = 0.03
@@ -33,9 +35,10 @@ def check_not_round(face: Face) -> None:
     ------
     ReconstructionError
     """
-    width = max(COLUMN, 3.0 * face.spacing)
+    local = face.local[:ENOUGH]
+    width = max(COLUMN, 3.0 * face.spacing * float(np.sqrt(len(face.local) / len(local))))
     (_, low), (_, high) = face.box
-    x, y, z = face.local.T
+    x, y, z = local.T
     near = np.flatnonzero((np.abs(y) < 3.0 * LARGEST_BOW) & (z > low) & (z < high))
     column = ((x[near] - x[near].min()) / width).astype(np.uint16)
     order = np.argsort(column, kind="stable")

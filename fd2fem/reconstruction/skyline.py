@@ -31,6 +31,9 @@ __all__ = ["OutlineFit", "fit_outline"]
 
 FloatArray = NDArray[np.float64]
 
+FAR_CORNER = 0.25
+"""No corner lies farther beyond the wall's points, in shares of the wall's larger extent."""
+
 
 @dataclass(frozen=True, eq=False)
 class OutlineFit:
@@ -123,7 +126,11 @@ def _fitted(chain: list[Edge], wall: WallPoints, *, fixed: bool) -> list[Edge] |
     except ReconstructionError:
         # Ragged points can make neighbours of edges that run side by side and meet nowhere.
         return None
-    return fitted if shapely.Polygon(ring).is_valid else None
+    low, high = wall.xz.min(axis=0), wall.xz.max(axis=0)
+    # Edges that are nearly parallel meet far beyond the wall.
+    slack = FAR_CORNER * float((high - low).max())
+    near = (ring > low - slack).all() and (ring < high + slack).all()
+    return fitted if near and shapely.Polygon(ring).is_valid else None
 
 
 def _first_guess(

@@ -66,7 +66,7 @@ def local_spacing(xz: FloatArray) -> SpacingGrid:
     for (column, row), seed, half in _seeds(xz, low, cell, shape):
         sides, areas = _patch(xz, seed, half, limit=cell)
         if len(sides):
-            median, longer = np.quantile(sides, [0.5, LONGER])
+            median, longer = _quantiles(sides, (0.5, LONGER))
             # Most edges run along scan lines that are rough; those across are still one in three.
             edge[column, row] = max(median, longer / 2.0)
             wall = sides.max(axis=1) < 4.0 * edge[column, row]
@@ -130,6 +130,16 @@ def _patch(xz: FloatArray, seed: FloatArray, half: float, *, limit: float) -> tu
     # Triangles that lie along the patch's border with their longest side fill up its hull.
     fills = ((triangulation.neighbors < 0) & (sides >= sides.max(axis=1, keepdims=True))).any(axis=1)
     return sides[~fills], triangle_areas(inside[triangles[~fills]])
+
+
+def _quantiles(values: FloatArray, shares: tuple[float, ...]) -> list[float]:
+    """The same as ``np.quantile``, which takes ten times as long for so few values."""
+    ranked = np.sort(values, axis=None)
+    places = [share * (len(ranked) - 1) for share in shares]
+    return [
+        float(np.interp(place, (int(place), int(place) + 1), ranked[int(place) : int(place) + 2]))
+        for place in places
+    ]
 
 
 def _smooth(values: FloatArray) -> FloatArray:

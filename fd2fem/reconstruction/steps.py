@@ -78,7 +78,7 @@ def reconstruct(cloud: PointCloud, *, options: ReconstructionOptions = DEFAULTS)
         *outline.warnings,
         *hole_warnings(holes, facade, options),
         *opening_warnings(facade, options),
-        *edge_warnings(view, lines),
+        *edge_warnings(view, lines, drafts),
     ]
     record = {
         "points": {"read": len(cloud), "on_facade": len(points.xz)},

@@ -15,10 +15,12 @@ __all__ = ["Sample", "chunks", "coordinate_hash", "occupied_cells", "pick", "tak
 
 FloatArray = NDArray[np.float64]
 
-CHUNK = 500_000
-"""Points handled at a time, so that memory grows with the wall and not with the scan."""
+CHUNK = 1 << 15
+"""Points handled at a time: memory grows with the wall and not with the scan, and a cache holds them."""
 SAMPLE = 300_000
 """Points that show a scene well enough to find the wall in it."""
+ENOUGH = 10_000
+"""So many points show where the middle of a scene is."""
 ODD = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], dtype=np.uint64)
 """Multipliers that mix bits well (D. Stafford's mix 13, as used in SplitMix64)."""
 
@@ -32,7 +34,7 @@ class Sample:
     points : (k, 3) float array, m
         Relative to `centre`.
     centre : (3,) float array, m
-        Their median, world frame.
+        The median of some of them, world frame.
     share : float
         Of the points of the scan.
     """
@@ -47,8 +49,8 @@ def chunks(count: int) -> Iterator[slice]:
 
     Examples
     --------
-    >>> list(chunks(500_001))
-    [slice(0, 500000, None), slice(500000, 500001, None)]
+    >>> list(chunks(32_769))
+    [slice(0, 32768, None), slice(32768, 32769, None)]
     """
     for start in range(0, count, CHUNK):
         yield slice(start, min(start + CHUNK, count))
@@ -76,7 +78,8 @@ def coordinate_hash(points: FloatArray) -> NDArray[np.uint64]:
 
 def pick(points: FloatArray, which: NDArray[np.intp] | NDArray[np.bool_]) -> FloatArray:
     """Some of the points (n, d), laid out column by column: what is done to millions is done by columns."""
-    return np.array([column[which] for column in points.T]).T
+    chosen = np.flatnonzero(which) if which.dtype == np.bool_ else which
+    return np.array([column.take(chosen) for column in points.T]).T
 
 
 def take_sample(points: FloatArray, size: int = SAMPLE) -> Sample:
@@ -93,13 +96,14 @@ def take_sample(points: FloatArray, size: int = SAMPLE) -> Sample:
     for part in chunks(len(points)):
         key = coordinate_hash(points[part])
         chosen = np.arange(len(key)) if size >= len(points) else np.flatnonzero(key < limit)
-        taken.append(points[part][chosen])
+        taken.append(points[part].take(chosen, axis=0))
         order.append(key[chosen])
-    found = pick(np.concatenate(taken), np.argsort(np.concatenate(order), kind="stable"))
+    # Points with the same hash are the same points.
+    found = pick(np.concatenate(taken), np.argsort(np.concatenate(order)))
     if len(found) == 0:
         found = points[:1]
-    centre = np.median(found, axis=0)
-    return Sample(found - centre, centre, len(found) / len(points))
+    centre = np.array([np.median(column) for column in found[:ENOUGH].T])
+    return Sample((found.T - centre[:, None]).T, centre, len(found) / len(points))
 
 
 def thin_points(points: FloatArray, cell: float) -> NDArray[np.intp]:

@@ -29,11 +29,38 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 BoolArray = NDArray[np.bool_]
 
-REACH = np.sqrt(13.0)
-"""L/2 in cells: the 5 x 5 cells around a place, without those at the corners, lie in a disc this large."""
+
+@dataclass(frozen=True)
+class _Raster:
+    """How a disc of radius L/2 is made up of cells.
+
+    Attributes
+    ----------
+    radius : float
+        L/2 in cells.
+    within : tuple of (int, int)
+        Blocks of cells about a cell, so many columns and rows to each side, that lie within L/2 of every
+        place in it.
+    about : tuple of (int, int)
+        Blocks that together hold all cells within L/2 of any place in it.
+    """
+
+    radius: float
+    within: tuple[tuple[int, int], ...]
+    about: tuple[tuple[int, int], ...]
+
+
+COARSE = _Raster(float(np.sqrt(13.0)), within=((1, 2), (2, 1)), about=((3, 4), (4, 3)))
+FINE = _Raster(
+    float(np.sqrt(52.0)),
+    within=((0, 6), (3, 5), (4, 4), (5, 3), (6, 0)),
+    about=((2, 8), (5, 7), (6, 6), (7, 5), (8, 2)),
+)
+DENSE = 1.0
+"""With more points in a coarse cell, fine ones pay: fewer points lie near the clear ones."""
 MARGIN = 0.999
 """Cells are so much smaller than they could be, which keeps rounding errors and points on circles out."""
-PAD = 8
+PAD = 16
 """Cells around the wall; discs about its hull reach so far."""
 CHUNK = 1 << 17
 """Points put into cells at a time."""
@@ -178,7 +205,9 @@ class _Clear:
 def _clear_cells(xz: FloatArray, length: float) -> _Clear | None:
     """The clear cells and the points near them; ``None`` where the points are too sparse for it to pay."""
     low, high = bounds(xz)
-    size = MARGIN * length / 2.0 / REACH
+    coarse = MARGIN * length / 2.0 / COARSE.radius
+    raster = FINE if len(xz) * coarse**2 > DENSE * (high - low).prod() else COARSE
+    size = MARGIN * length / 2.0 / raster.radius
     columns, rows = np.floor((high - low) / size) + 1 + 2 * PAD
     if columns * rows > 4_000_000 + 32 * len(xz):
         return None
@@ -189,27 +218,32 @@ def _clear_cells(xz: FloatArray, length: float) -> _Clear | None:
         number[start : start + CHUNK] = cells.number(xz[start : start + CHUNK])
     occupied = np.zeros(int(columns) * int(rows), dtype=np.bool_)
     occupied[number] = True
-    # The disc's 21 cells are a 3 x 5 and a 5 x 3 block.
-    clear = ~_spread_discs(occupied, int(rows), 1, 2)
-    # A cell further than four columns or rows off, or four of both, is over L/2 away.
-    near = _spread_discs(clear, int(rows), 3, 4)
+    clear = ~_spread_blocks(occupied, int(rows), raster.within)
+    near = _spread_blocks(clear, int(rows), raster.about)
     return _Clear(cells, clear, np.flatnonzero(near[number]))
 
 
-def _spread_discs(cells: BoolArray, rows: int, less: int, more: int) -> BoolArray:
-    """Spread marked cells by `less` columns and `more` rows, and by `more` columns and `less` rows."""
-    narrow = _spread(cells, less, rows)
-    wide = _spread(cells, more, rows)
-    spread: BoolArray = _spread(narrow, more, 1) | _spread(wide, less, 1)
+def _spread_blocks(cells: BoolArray, rows: int, blocks: tuple[tuple[int, int], ...]) -> BoolArray:
+    """Spread marked cells to blocks about them, each so many columns and rows to each side."""
+    spread = np.zeros_like(cells)
+    wide, done = cells, 0
+    # The blocks come with more and more columns.
+    for columns, high in blocks:
+        wide, done = _spread(wide, columns - done, rows), columns
+        spread |= _spread(wide, high, 1)
     return spread
 
 
 def _spread(cells: BoolArray, reach: int, step: int) -> BoolArray:
     """Mark the `reach` cells before and after each marked one, `step` apart."""
-    spread = cells.copy()
-    for shift in range(step, reach * step + 1, step):
-        spread[shift:] |= cells[:-shift]
-        spread[:-shift] |= cells[shift:]
+    spread, done = cells.copy(), 0
+    while done < reach:
+        # What is marked so far, moved to where it goes on without a gap.
+        more = min(2 * done + 1, reach - done)
+        shift, marked = more * step, spread.copy()
+        spread[shift:] |= marked[:-shift]
+        spread[:-shift] |= marked[shift:]
+        done += more
     return spread
 
 

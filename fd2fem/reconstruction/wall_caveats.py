@@ -6,6 +6,7 @@ import numpy as np
 
 from fd2fem.model import FacadePoints
 from fd2fem.model.frame import OutOfPlane
+from fd2fem.reconstruction.face import Face
 from fd2fem.reconstruction.outside import NOTHING_TELLS
 from fd2fem.reconstruction.thinning import thin_points
 from fd2fem.reconstruction.wall_extent import Joint
@@ -15,6 +16,8 @@ __all__ = ["wall_warnings"]
 
 RIVAL = 0.5
 """Another wall that spans a larger share of the chosen one's is worth a word."""
+LAYER, LAYERED = 0.2, 1.2
+"""Frames, glass and reveals up to so far from the face, m, return a smaller share of the face's points."""
 STEP_BACK = 0.4
 """A wall may go on so far out of its plane, m."""
 BULGE = 0.02
@@ -22,7 +25,7 @@ BULGE = 0.02
 
 
 def wall_warnings(
-    points: FacadePoints, walls: Sequence[Wall], chosen: Wall, joints: Sequence[Joint]
+    points: FacadePoints, walls: Sequence[Wall], chosen: Wall, joints: Sequence[Joint], face: Face
 ) -> tuple[str, ...]:
     """What may be wrong with the wall that was taken."""
     warnings = []
@@ -46,7 +49,7 @@ def wall_warnings(
             f"The wall's face bulges: it leaves its plane by up to {1000 * abs(bulge):.0f} mm "
             f"({'into the wall' if bulge > 0 else 'outwards'}); it was followed."
         )
-    return (*warnings, *_left_out(points))
+    return (*warnings, *_layers(face), *_left_out(points))
 
 
 def _largest(relief: OutOfPlane) -> float:
@@ -62,6 +65,23 @@ def _joint_warning(points: FacadePoints, joint: Joint) -> str:
         f"{1000 * (joint.high - joint.low):.0f} mm wide, was cut off as a neighbour's; if you want that "
         "wall, cut the scan to it."
     )
+
+
+def _layers(face: Face) -> list[str]:
+    """That much of the wall lies a little before or behind its face."""
+    (left, bottom), (right, top) = face.box
+    x, _, z = face.local.T
+    away = np.abs(face.depth[(x > left) & (x < right) & (z > bottom) & (z < top)])
+    on_face = int(np.count_nonzero(away < face.band))
+    beside = int(np.count_nonzero(away < LAYER)) - on_face
+    if beside < LAYERED * on_face:
+        return []
+    share = 100 * beside / max(on_face, 1)
+    return [
+        f"Up to {LAYER} m before or behind the face lie {share:.0f} % as many points "
+        "as on it, more than windows show: it has pilasters, panels or set-backs, and panels may come "
+        f"out as openings. A wall_band of {LAYER} takes them in."
+    ]
 
 
 def _left_out(points: FacadePoints) -> list[str]:

@@ -88,29 +88,32 @@ def cut_wall(near: FloatArray, face: Face, *, spacing: float, scanners: FloatArr
         If what is left is too small, or no denser than the space beside it.
     """
     depth = depth_behind(face.relief, near)
-    away = np.abs(depth)
-    on_wall = np.flatnonzero(away < face.band)
-    local, depth = pick(near, on_wall), depth[on_wall]
+    on_wall = np.abs(depth) < face.band
     if face.pavement is not None:
-        clear = face.pavement.clear_of(local, face.scatter)
-        local, depth = pick(local, clear), depth[clear]
+        on_wall &= face.pavement.clear_of(near, face.scatter)
+    local, depth = _kept(near, depth, on_wall)
     joints: tuple[Joint, ...] = ()
     if len(local):
         local, depth = _part(local, depth, face.xz)
-        joints = find_joints(local[:, [0, 2]], spacing, face.local[face.depth < -face.band], scanners)
+        joints = find_joints(local[:, ::2], spacing, face.local[face.depth < -face.band], scanners)
     if joints:
-        start, end = part_between(local[:, [0, 2]], joints, scanners)
+        start, end = part_between(local[:, ::2], joints, scanners)
         kept = (local[:, 0] > start) & (local[:, 0] < end)
-        local, depth = _part(pick(local, kept), depth[kept], face.xz)
+        local, depth = _part(*_kept(local, depth, kept), face.xz)
     cut = WallCut(local, depth, joints)
-    _check_wall(cut, near, away)
+    _check_wall(cut, face)
     (left, _), (right, _) = cut.box
     return replace(cut, joints=tuple(joint for joint in joints if _bounds(joint, left, right)))
 
 
+def _kept(local: FloatArray, depth: FloatArray, kept: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
+    """Some of the points and their depths."""
+    return (local, depth) if kept.all() else (pick(local, kept), depth[kept])
+
+
 def _part(local: FloatArray, depth: FloatArray, around: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Of some points and their depths, the connected part that holds most of some places."""
-    part = largest_part(local[:, [0, 2]], around=around)
+    part = largest_part(local[:, ::2], around=around)
     return (local, depth) if len(part) == len(local) else (pick(local, part), depth[part])
 
 
@@ -119,11 +122,8 @@ def _bounds(joint: Joint, left: float, right: float) -> bool:
     return abs(joint.high - left) < 2.0 * JOINT or abs(joint.low - right) < 2.0 * JOINT
 
 
-def _check_wall(cut: WallCut, near: FloatArray, away: FloatArray) -> None:
-    """Raise unless the chosen points make a wall: large enough, and denser than the space beside it.
-
-    `near`: all points beside the face. `away`: their distance from it.
-    """
+def _check_wall(cut: WallCut, face: Face) -> None:
+    """Raise unless the chosen points make a wall: large enough, and denser than the space beside it."""
     low, high = cut.box
     if len(cut.depth) < MIN_POINTS or (high - low).min() < MIN_WALL:
         msg = (
@@ -132,9 +132,9 @@ def _check_wall(cut: WallCut, near: FloatArray, away: FloatArray) -> None:
             f"on {MIN_WALL} x {MIN_WALL} m; check the units and that z points up."
         )
         raise ReconstructionError(msg)
-    x, _, z = near.T
+    x, _, z = face.local.T
     within = (x >= low[0]) & (x <= high[0]) & (z >= low[1]) & (z <= high[1])
-    layers, _ = np.histogram(away[within], NEAR_PLANE * np.arange(LAYERS + 2))
+    layers, _ = np.histogram(np.abs(face.depth[within]), NEAR_PLANE * np.arange(LAYERS + 2))
     # Frames and courses make one or the other of the layers beside a wall dense, but not most of them.
     if layers[0] < DENSER * np.median(layers[1:]):
         msg = "No wall found: no vertical plane is denser than the space beside it."

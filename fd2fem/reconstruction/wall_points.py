@@ -15,8 +15,6 @@ DUPLICATE = 1e-4
 """Points on the wall closer than this are one, m: a triangulation cannot use them apart."""
 MARGIN = 0.5
 """A sample may miss so much of a wall's rim, m."""
-BESIDE = 0.21
-"""Points so far from the face are taken along, to compare it with the space beside, m."""
 NEIGHBOUR = 8
 """The spacing follows from the distance to so many neighbours."""
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
@@ -28,7 +26,7 @@ SEEDS = 400
 
 
 def points_beside(points: FloatArray, face: Face, *, share: float = 1.0) -> FloatArray:
-    """Points of a scan that lie beside a wall's face, (m, 3) m, in its frame.
+    """Points of a scan that may lie on a wall's face, (m, 3) m, in its frame.
 
     Parameters
     ----------
@@ -39,16 +37,19 @@ def points_beside(points: FloatArray, face: Face, *, share: float = 1.0) -> Floa
         Of the points to take; which ones, their coordinates decide at random.
     """
     (left, bottom), (right, top) = face.box[0] - MARGIN, face.box[1] + MARGIN
-    frame, reach = face.frame, max(face.band, BESIDE) + float(np.nanmax(np.abs(face.relief.values)))
+    frame, reach = face.frame, face.band + float(np.nanmax(np.abs(face.relief.values)))
     limit = np.uint64(min(share, 1.0) * float(2**64 - 2**12))
-    level = frame.axes[1] @ frame.origin
+    shift = (frame.axes @ frame.origin)[:, None]
     found = []
     for part in chunks(len(points)):
-        near = np.flatnonzero(np.abs(points[part] @ frame.axes[1] - level) < reach)
-        away = points[part][near]
+        away = points[part]
+        near = np.abs(away @ frame.axes[1] - shift[1]) < reach
+        if not near.all():
+            away = away.take(np.flatnonzero(near), axis=0)
         if share < 1.0:
             away = away[coordinate_hash(away) < limit]
-        local = frame.axes @ (away - frame.origin).T
+        local = frame.axes @ away.T
+        local -= shift
         x, _, z = local
         inside = (x > left) & (x < right) & (z > bottom) & (z < top)
         found.append(local if inside.all() else local[:, inside])
@@ -66,35 +67,54 @@ def sort_points(xz: FloatArray) -> IntArray:
     [2, 1, 0]
     """
     x, z = np.ascontiguousarray(xz.T)
-    order = np.argsort(x)
-    x = x[order]
-    tied = np.flatnonzero(x[1:] == x[:-1])
+    order, tied = _nearly_sorted(x)
     if len(tied):
-        # Only those points are sorted again that share their x with another.
+        # Only those points are sorted again that share their x with another, or nearly so.
         again = np.union1d(tied, tied + 1)
         some = order[again]
-        order[again] = some[np.lexsort((z[some], x[again]))]
-    return order[_without_doubles(x, z[order])]
+        order[again] = some[np.lexsort((z[some], x[some]))]
+    return _without_doubles(x, z, order)
 
 
-def _without_doubles(x: FloatArray, z: FloatArray) -> IntArray | slice:
-    """Which of some points, sorted by x, stay where only the first in a square stays."""
-    column = ((x - x[0]) / DUPLICATE).astype(np.int64)
+def _nearly_sorted(x: FloatArray) -> tuple[IntArray, IntArray]:
+    """Indices that sort values but for those that are all but equal, and the places of these but the last.
+
+    The values are made whole numbers and their indices written behind them: sorting these is much faster
+    than finding the order of the values.
+    """
+    behind = len(x).bit_length()
+    finest = float(2 ** (62 - behind))
+    low = x.min()
+    key = ((x - low) * (finest / max(float(x.max() - low), 1e-9))).astype(np.int64)
+    key <<= behind
+    key += np.arange(len(x))
+    key.sort()
+    order = key & ((1 << behind) - 1)
+    key >>= behind
+    return order, np.flatnonzero(key[1:] == key[:-1])
+
+
+def _without_doubles(x: FloatArray, z: FloatArray, order: IntArray) -> IntArray:
+    """The order that sorts points by x, without those that share their square with an earlier one."""
+    key = ((x - x.min()) / DUPLICATE).astype(np.int64)
     row = ((z - z.min()) / DUPLICATE).astype(np.int64)
     rows = int(row.max()) + 1
-    key = column * rows + row
+    key *= rows
+    key += row
     ranked = np.sort(key)
     double = np.unique(ranked[1:][ranked[1:] == ranked[:-1]])
     if len(double) == 0:
-        return slice(None)
+        return order
+    key = key[order]
     if len(double) > FEW:
-        return np.sort(np.unique(key, return_index=True)[1])
+        return order[np.sort(np.unique(key, return_index=True)[1])]
     # The points of a column are neighbours: a few squares are looked up faster than all are sorted.
     keep = np.ones(len(x), dtype=bool)
+    column = key // rows
     starts, ends = (np.searchsorted(column, double // rows, side=side) for side in ("left", "right"))
     for square, start, end in zip(double, starts, ends, strict=True):
         keep[start + np.flatnonzero(key[start:end] == square)[1:]] = False
-    return np.flatnonzero(keep)
+    return order[keep]
 
 
 def point_spacing(xz: FloatArray) -> float:

@@ -123,7 +123,9 @@ def _standing(points: FloatArray) -> NDArray[np.intp]:
     order = np.argsort(column, kind="stable")
     starts = np.flatnonzero(np.diff(column[order], prepend=-1))
     number = np.cumsum(np.diff(column[order], prepend=-1) > 0) - 1
-    levels = np.unique(number * (cells[:, 2].max() + 1) + cells[order, 2]) // (cells[:, 2].max() + 1)
+    # Sorted by hand: np.unique takes three times as long.
+    level = np.sort(number * (cells[:, 2].max() + 1) + cells[order, 2])
+    levels = level[np.diff(level, prepend=-1) > 0] // (cells[:, 2].max() + 1)
     standing: NDArray[np.intp] = order[np.bincount(levels, minlength=len(starts))[number] >= UPRIGHT]
     if len(standing) < MIN_POINTS:
         msg = "No wall found: no points stand above others; check that z points up and the units are right."
@@ -162,17 +164,21 @@ def refine_plane(
     points: FloatArray, weight: FloatArray, on_plane: FloatArray, normal: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """A point and the normal of the least-squares plane through the points near a first guess."""
+    last = np.empty(0, dtype=np.intp)
     for _ in range(8):
-        distance = (points - on_plane) @ normal
+        distance = points @ normal - on_plane @ normal
         near = np.flatnonzero((np.abs(distance) < NEAR_PLANE) & (weight > 0.0))
         if len(near) < 3:
             break
         scatter = robust_scatter(distance[near])
         middle = np.median(distance[near])
         near = near[np.abs(distance[near] - middle) < max(4.0 * scatter, 0.1 * NEAR_PLANE)]
+        if np.array_equal(near, last):
+            break
+        last = near
         chosen, share = points[near], weight[near] / weight[near].sum()
         on_plane = share @ chosen
         away = chosen - on_plane
         candidate = np.linalg.eigh((away * share[:, None]).T @ away)[1][:, 0]
-        normal = candidate * np.sign(candidate @ normal)
+        normal = candidate if candidate @ normal >= 0.0 else -candidate
     return on_plane, normal

@@ -140,14 +140,13 @@ def largest_part(xz: FloatArray, *, around: FloatArray | None = None, least: flo
     least : float
         Squares with a smaller share of the points of the typical one do not count.
     """
-    start = np.array([xz[:, 0].min(), xz[:, 1].min()])
-    column, row = (
-        ((values - least) / GAP).astype(np.intp) for values, least in zip(xz.T, start, strict=True)
-    )
+    start = np.array([values.min() for values in xz.T])
+    column, row = (((values - low) / GAP).astype(np.intp) for values, low in zip(xz.T, start, strict=True))
     shape = (int(column.max()) + 1, int(row.max()) + 1)
-    number = column * shape[1] + row
+    column *= shape[1]
+    number = np.add(column, row, out=column)
     points = np.bincount(number, minlength=shape[0] * shape[1])
-    held = points > least * np.median(points[number])
+    held = points > (least * np.median(points[number]) if least > 0.0 else 0)
     label, count = ndimage.label(held.reshape(shape), structure=np.ones((3, 3)))
     if count == 1 and least == 0.0:
         return np.arange(len(xz))
