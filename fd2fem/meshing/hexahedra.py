@@ -1,6 +1,7 @@
 """Facade to hexahedra: quadrilaterals on its front, swept through its thickness."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,8 @@ SHARED_LINE = 0.43
 where the differences between dimensions on drawings tend to lie: a millimetre must not decide."""
 FINER = (1.0, 0.5, 0.25, 0.125, 0.0)
 """Parts of that tolerance to try in turn, until the elements are good enough; 0 skews none."""
+SMALLER = (1.0, 0.8, 0.64, 0.5)
+"""Parts of the element size to try in turn where edges are slanted or curved."""
 MAX_ASPECT = 1000.0
 """Longest over shortest edge of an element beyond which the stiffness matrix is not worth solving."""
 FACING = 0.25
@@ -35,8 +38,9 @@ def mesh_facade(facade: Facade, *, options: MeshOptions = DEFAULT_OPTIONS) -> Vo
     Where all edges are horizontal or vertical the mesh is block-structured and exact: edges of openings
     that almost line up share a grid line that passes through each of them, so that two facades which
     differ by millimetres have the same numbers of elements wherever possible. Otherwise it is
-    unstructured, and follows curved edges to within a fiftieth of the element size. Either is swept
-    through the thickness in equal layers (`MeshOptions.layers_through`).
+    unstructured, and follows curved edges to within a fiftieth of the element size; where that makes too
+    bad an element, smaller sizes are tried, down to half. Either is swept through the thickness in equal
+    layers (`MeshOptions.layers_through`).
 
     Groups: base, on the ground at z = 0; top, on the outline facing up by more than 15° (gables and
     steps too); left and right, on the outline facing -x and +x; front, y = 0; back, y = thickness.
@@ -60,11 +64,28 @@ def mesh_facade(facade: Facade, *, options: MeshOptions = DEFAULT_OPTIONS) -> Vo
     ((384, 8), 32)
     """
     rings = wall_rings(facade)
-    rectilinear = is_rectilinear(rings)
-    quads = _structured(rings, options=options) if rectilinear else free_quads(rings, options=options)
+    if not is_rectilinear(rings):
+        return _free(facade, rings, options=options)
+    quads = _structured(rings, options=options)
     mesh = _sweep(quads, facade, layers=options.layers_through(facade.thickness))
-    _check(mesh, facade, rectilinear=rectilinear, options=options)
+    _check(mesh, facade, rectilinear=True, options=options)
     return mesh
+
+
+def _free(facade: Facade, rings: WallRings, *, options: MeshOptions) -> VolumeMesh:
+    """The first unstructured mesh that is good enough; the error of the asked size if none is."""
+    layers = options.layers_through(facade.thickness)
+    refused = []
+    for part in SMALLER:
+        finer = replace(options, size=part * options.size)
+        try:
+            mesh = _sweep(free_quads(rings, options=finer), facade, layers=layers)
+            _check(mesh, facade, rectilinear=False, options=finer)
+        except MeshError as error:
+            refused.append(error)
+        else:
+            return mesh
+    raise refused[0]
 
 
 def _structured(rings: WallRings, *, options: MeshOptions) -> QuadMesh:

@@ -208,5 +208,5 @@ def _filled(hole: Hole, ring: FloatArray, tolerance: float) -> FilledHole | None
     pieces = [piece for piece in pieces if piece.area > 0.0]
     if not pieces:
         return None
-    largest = max(pieces, key=lambda piece: piece.area).simplify(tolerance)
+    largest = shapely.Polygon(max(pieces, key=lambda piece: piece.area).exterior.simplify(tolerance).coords)
     return FilledHole(np.array(largest.exterior.coords), hole.reason, hole.evidence)

@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 
 from fd2fem.errors import InputError, MeshError
 from fd2fem.meshing import MeshOptions, mesh_facade, mesh_quality
+from fd2fem.meshing.quality import element_volumes
 from fd2fem.meshing.topology import boundary_facets
 from fd2fem.model import GROUPS, Facade, Opening, OpeningKind, rectangle
 
@@ -290,3 +291,18 @@ def test_numbering_is_dense_and_conformal():
     surface = boundary_facets(mesh.elements, mesh.kind, nodes=len(mesh.nodes))
     edges = np.sort(np.stack([surface, np.roll(surface, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     assert len(np.unique(surface)) - len(np.unique(edges, axis=0)) + len(surface) == 0
+
+
+@pytest.mark.parametrize("rise", [0.3, 0.6, 0.9])
+def test_arched_windows_mesh_at_the_default_size(rise):
+    # A round head of 24 chords was refused at 0.25 m; a little finer, it meshes.
+    angle = np.linspace(0.0, np.pi, 25)
+    openings = []
+    for number, x in enumerate((1.0, 3.0, 5.0), start=1):
+        head = np.column_stack([x + 0.6 + 0.6 * np.cos(angle), 2.4 + rise * np.sin(angle)])
+        ring = np.vstack([[[x, 1.0], [x + 1.2, 1.0]], head])
+        openings.append(Opening(number, OpeningKind.WINDOW, ring))
+    facade = Facade(rectangle(0, 0, 7.2, 4.6), 0.35, tuple(openings))
+    mesh = mesh_facade(facade)
+    assert mesh_quality(mesh).min_scaled_jacobian >= 0.3
+    assert element_volumes(mesh).sum() == pytest.approx(facade.wall_area * 0.35, rel=2e-3)
