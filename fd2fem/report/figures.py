@@ -166,9 +166,13 @@ def draw_relief(reconstruction: Reconstruction, path: Path) -> None:
     figure, axes = new_figure(2, height=_height(points.xz))
     relief = points.relief
     ends = relief.low + relief.cell * (np.array(relief.values.shape) - 0.5)
+    # On a plain wall the colours would else show tenths of a millimetre as a bulge.
+    limit = max(1.0, 1000.0 * float(np.nanmax(np.abs(relief.values))))
     image = axes[0].imshow(
         1000.0 * relief.values.T,
         origin="lower",
+        vmin=-limit,
+        vmax=limit,
         extent=(relief.low[0] - relief.cell / 2, ends[0], relief.low[1] - relief.cell / 2, ends[1]),
         cmap="RdBu_r",
     )
