@@ -33,6 +33,8 @@ CORNER = 1.0
 OUTER = 0.7
 """Columns between this place and the jamb, 1, are the corners'; a corner of which less than half shows says
 nothing."""
+CORNER_COLUMNS = 2.6
+"""A corner is at least so many columns wide, of which the one at the jamb says little."""
 RISES = 16
 """Rises tried per shape; half as many between the best one's neighbours."""
 MISS = 3.0
@@ -124,8 +126,10 @@ def _chosen(columns: Columns, flat: Fit, spacing: float) -> Fit:
     if best.likelihood < flat.likelihood + EVIDENCE:
         return flat
     in_corner = columns.lowest < best.crown - CORNER * spacing
-    sides = [columns.middle < -OUTER, columns.middle > OUTER]
-    enough = max(2.0, 0.25 * (1.0 - OUTER) * columns.count)
+    # Of few columns, as on sparse scans, the outer two are each corner's.
+    outer = min(OUTER, 1.0 - 2.0 * CORNER_COLUMNS / columns.count)
+    sides = [columns.middle < -outer, columns.middle > outer]
+    enough = max(2.0, 0.25 * (1.0 - outer) * columns.count)
     shown = [bool((side & in_corner).any()) for side in sides if np.count_nonzero(side) >= enough]
     return best if shown and all(shown) else flat
 

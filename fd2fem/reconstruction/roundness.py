@@ -43,7 +43,8 @@ def check_not_round(face: Face) -> None:
     column = ((x[near] - x[near].min()) / width).astype(np.uint16)
     order = np.argsort(column, kind="stable")
     column, depth = column[order].astype(np.intp), y[near[order]]
-    on_plane = np.bincount(column[np.abs(depth) < REACH] - column[0])
+    # A band that was given holds the wall's layers, of which none need lie on its plane.
+    on_plane = np.bincount(column[np.abs(depth) < max(REACH, face.band)] - column[0])
     # Openings leave a column fewer points, but hardly none.
     usual = float(np.median(on_plane[on_plane > 0]))
     rows = face.relief.values[len(face.relief.values) // 2]

@@ -31,7 +31,7 @@ __all__ = ["OutlineFit", "fit_outline"]
 
 FloatArray = NDArray[np.float64]
 
-FAR_CORNER = 0.25
+FAR_CORNER = 0.1
 """No corner lies farther beyond the wall's points, in shares of the wall's larger extent."""
 
 

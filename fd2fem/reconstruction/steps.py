@@ -20,6 +20,7 @@ from fd2fem.reconstruction.rays import cast_shadows, ray_map
 from fd2fem.reconstruction.sampling import Sampling
 from fd2fem.reconstruction.strips import View
 from fd2fem.reconstruction.tops import fit_tops
+from fd2fem.reconstruction.wall_points import measured_noise
 
 __all__ = ["reconstruct"]
 
@@ -54,7 +55,9 @@ def reconstruct(cloud: PointCloud, *, options: ReconstructionOptions = DEFAULTS)
     rays = ray_map(cloud, points)
     clock["rays"] = perf_counter()
     sampling = Sampling(points.spacing, points.rms, exclusion_distance(points.xz))
-    outline = wall_outline(points, boundary, cast_shadows(rays), sampling)
+    # In a band that was given, pilasters, panels and set-backs are no noise; a wall ends without reveals.
+    noise = points.rms if options.wall_band is None else measured_noise(points.xz, points.depth)
+    outline = wall_outline(points, boundary, cast_shadows(rays), replace(sampling, noise=noise))
     points, boundary, rays, outline = move_to_corner(points, boundary, rays, outline)
     clock["outline"] = perf_counter()
     shadows = cast_shadows(rays)
