@@ -18,6 +18,8 @@ REACH = 8.0
 """Depth of wall, in point spacings, that an edge's position is read from."""
 MARGIN = 3.0
 """Points so many spacings outside of an edge's first guess are looked at, too."""
+SYSTEMATIC = 0.5
+"""Share of the in-plane noise by which an edge may be off without its scatter showing it."""
 ENDS = 1.2
 """So many spacings at either end of an edge are left out: the other edges cut off points there."""
 LEAST_NOISE, NOISE_SHARE = 0.0003, 1.0
@@ -94,7 +96,8 @@ def edge_beside(view: View, place: Place, side: Side, level: float) -> tuple[flo
         noise=noise,
         exclusion=sampling.exclusion,
     )
-    return float(level + sign * offset), float(sigma)
+    # Points of the reveal and mixed ones lie beside the edge by a part of the noise, all the same way.
+    return float(level + sign * offset), float(np.hypot(sigma, SYSTEMATIC * noise))
 
 
 def sampling_at(view: View, place: FloatArray) -> Sampling:
