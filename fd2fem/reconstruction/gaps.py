@@ -32,6 +32,8 @@ SLIGHT = 0.03
 """A shadow on less of a gap than this share is not worth a look."""
 BRIDGED = 0.75
 """Parts of a gap that a shadow narrower than this share of the smallest opening parts belong together."""
+INNER = 2.0
+"""An unhidden part may end so many cells beyond the edge that lies in shadow."""
 PART = 0.5
 """A part must hold a square of this share of the smallest opening, free of shadow."""
 
@@ -235,9 +237,11 @@ def _unseen_edges(part: Gap, boundary: Boundary, shadows: Shadows) -> dict[Side,
             continue
         reach = _shadow_reach(part, side, shadows)
         if reach > 1.0:
-            edge = float(corner[axis])
-            outer = edge + rays.cell * reach * (-1.0 if side in {Side.LEFT, Side.BOTTOM} else 1.0)
-            unseen[side] = (min(edge, outer), max(edge, outer))
+            # The part's own end is known to its cells only, and may lie beyond the edge.
+            outward = -1.0 if side in {Side.LEFT, Side.BOTTOM} else 1.0
+            inner = float(corner[axis]) - INNER * outward * rays.cell
+            outer = float(corner[axis]) + reach * outward * rays.cell
+            unseen[side] = (min(inner, outer), max(inner, outer))
     return unseen
 
 
