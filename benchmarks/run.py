@@ -1,17 +1,23 @@
 """Time the chain against named peers, measured in the same run: ``python benchmarks/run.py``.
 
+``python benchmarks/run.py --large`` also triangulates five million points, which takes minutes and gigabytes;
+``python benchmarks/run.py reconstruction`` measures that section only.
+
 Every line gives our seconds, the peer's, and the ratio peer / ours: above 1 we are faster. CPU seconds are
 what counts on a busy machine, wall seconds stand beside them. Short measurements are the best of three.
 """
 
+import argparse
+import json
 import os
 import resource
 import shutil
 import subprocess
 import sys
 import tempfile
+import tracemalloc
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
@@ -30,6 +36,9 @@ from solvers.assembly import stiffness
 from solvers.elements import Space, displacement_space
 
 POINTS = (50_000, 200_000, 650_000)
+MANY_POINTS = 5_000_000
+PATTERNS = {"grid": "jittered grid", "lines": "scan lines"}
+SECTIONS = ("reconstruction", "reading", "analysis", "neutral_file")
 READ_POINTS = 500_000
 MESH_SIZE = 0.17
 """Element edge, m: about 50,000 unknowns in Building 1."""
@@ -80,35 +89,95 @@ def head(title: str) -> None:
     print(f"{'CPU':>6s} {'wall':>6s}")
 
 
-def wall_cloud(facade: Facade, count: int) -> PointCloud:
-    """About `count` points of a facade's front, evenly random, 2 mm of noise, a scanner before it."""
+def wall_cloud(facade: Facade, count: int, pattern: str = "random") -> PointCloud:
+    """About `count` points of a facade's front, 2 mm of noise, in random order, a scanner before it.
+
+    They lie evenly random ("random"), one in each square of a grid ("grid"), or on level lines four times as
+    far apart as the points along them ("lines").
+    """
     rng = np.random.default_rng(7)
     size = np.array([facade.length, facade.height])
-    xz = rng.uniform(0.0, 1.0, (int(count * size.prod() / facade.wall_area), 2)) * size
+    spacing = float(np.sqrt(facade.wall_area / count))
+    if pattern == "random":
+        xz = rng.uniform(0.0, 1.0, (int(count * size.prod() / facade.wall_area), 2)) * size
+    else:
+        across, up = (0.5, 2.0) if pattern == "lines" else (1.0, 1.0)
+        sides = (np.arange(0.5, n) for n in np.floor(size / spacing / [across, up]))
+        xz = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2) * [across, up] * spacing
+        xz += (
+            rng.uniform(-0.3, 0.3, xz.shape) * spacing
+            if pattern == "grid"
+            else rng.normal(0.0, 5e-4, xz.shape)
+        )
     for opening in facade.openings:
         low, high = opening.outline.min(axis=0), opening.outline.max(axis=0)
         xz = xz[~((xz > low) & (xz < high)).all(axis=1)]
-    points = np.insert(xz, 1, rng.normal(0.0, 0.002, len(xz)), axis=1)
+    points = rng.permutation(np.insert(xz, 1, rng.normal(0.0, 0.002, len(xz)), axis=1))
     return PointCloud(points, "benchmark", scanners=[[facade.length / 2, -12.0, 1.6]])
 
 
-def reconstruction() -> None:
-    """Points in memory to a facade, beside one triangulation of the same wall's points."""
+@dataclass(frozen=True)
+class FreshRun:
+    """What a process that has done nothing else takes for a cloud, the first time and then.
+
+    `memory`: the most that numpy and Python hold beyond the cloud, in MB. `steps`: wall seconds of the last
+    time.
+    """
+
+    points: int
+    openings: int
+    first: Seconds
+    then: Seconds
+    memory: float
+    steps: dict[str, float]
+
+
+def run_here(pattern: str, count: int) -> FreshRun:
+    """Reconstruct a cloud in this process."""
+    cloud = wall_cloud(stand_in("building3"), count, pattern)
+    first = timed(lambda: reconstruct(cloud))
+    results: list[Any] = []
+    then = timed(lambda: results.append(reconstruct(cloud)), 3 if count < MANY_POINTS else 1)
+    facade = results.pop().facade
+    # Not while it is timed: keeping count of the memory takes time.
+    tracemalloc.start()
+    reconstruct(cloud)
+    memory = tracemalloc.get_traced_memory()[1] / 1e6
+    steps = dict(facade.record["timings_s"])
+    return FreshRun(len(cloud), len(facade.openings), first, then, memory, steps)
+
+
+def run_fresh(pattern: str, count: int) -> FreshRun:
+    """Reconstruct a cloud in a process of its own."""
+    command = [sys.executable, __file__, "--fresh", pattern, str(count)]
+    found = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+    return FreshRun(**found | {name: Seconds(**found[name]) for name in ("first", "then")})
+
+
+def reconstruction(*, large: bool) -> None:
+    """Points in memory to a facade, beside one triangulation of the same points."""
     from scipy.spatial import Delaunay
 
     head("Reconstruction, points in memory to facade (Building 3, 19.4 x 17 m)")
-    splits = []
-    for count in POINTS:
-        cloud = wall_cloud(stand_in("building3"), count)
-        repeat = 3 if count < 100_000 else 1
-        result = reconstruct(cloud)  # the first one also loads what is loaded on first use
-        ours = timed(lambda cloud=cloud: reconstruct(cloud), repeat)
-        peer = timed(lambda xz=result.points.xz: Delaunay(xz), repeat)
-        row(f"reconstruct, {len(cloud):,} points", ours, "scipy.spatial.Delaunay alone", peer)
-        splits.append((len(cloud), dict(result.facade.record["timings_s"]), len(result.facade.openings)))
-    for count, steps, openings in splits:
-        text = "  ".join(f"{name} {seconds:.2f}" for name, seconds in steps.items())
-        print(f"  {count:,}: {openings} openings; wall s: {text}")
+    runs = []
+    for pattern, pattern_name in PATTERNS.items():
+        for count in (*POINTS, MANY_POINTS):
+            run = run_fresh(pattern, count)
+            runs.append((pattern, run))
+            name = f"{run.points:,} points, {pattern_name}"
+            if count == MANY_POINTS and not (large and pattern == "grid"):
+                print(f"{name:34s} {run.then.cpu:8.3f} {run.then.wall:8.3f}")
+                continue
+            xz = wall_cloud(stand_in("building3"), count, pattern).points[:, ::2].copy()
+            peer = timed(lambda xz=xz: Delaunay(xz), 3 if count < 100_000 else 1)
+            row(name, run.then, "scipy.spatial.Delaunay alone", peer)
+    print("  the first time in the fresh process; the most memory; wall s of the last time, step by step:")
+    for pattern, run in runs:
+        text = "  ".join(f"{step} {seconds:.2f}" for step, seconds in run.steps.items())
+        print(
+            f"  {pattern:5s} {run.points:9,}: {run.openings} openings; {run.first.cpu:.3f} CPU s, "
+            f"{run.memory:.0f} MB; {text}"
+        )
 
 
 def write_ply(points: NDArray[np.float64], path: Path) -> None:
@@ -230,17 +299,32 @@ def neutral_file(folder: Path) -> None:
 
 
 def main() -> None:
-    """Run all of it."""
+    """Run all of it, or what is asked for."""
+    parser = argparse.ArgumentParser(description="Time the chain against named peers.")
+    parser.add_argument("sections", nargs="*", metavar="section", help=", ".join(SECTIONS) + "; default: all")
+    parser.add_argument("--large", action="store_true", help="also triangulate five million points")
+    parser.add_argument("--fresh", nargs=2, metavar=("PATTERN", "COUNT"), help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.fresh:
+        print(json.dumps(asdict(run_here(arguments.fresh[0], int(arguments.fresh[1])))))
+        return
+    chosen = arguments.sections or SECTIONS
+    if unknown := set(chosen) - set(SECTIONS):
+        parser.error(f"no section {', '.join(sorted(unknown))}: choose from {', '.join(SECTIONS)}")
     start = perf_counter()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        reconstruction()
-        reading(folder)
-        mesh = mesh_facade(stand_in("building1"), options=MeshOptions(size=MESH_SIZE))
-        space = displacement_space(mesh)
-        assembly(mesh, space)
-        analysis(mesh, space, folder)
-        neutral_file(folder)
+        if "reconstruction" in chosen:
+            reconstruction(large=arguments.large)
+        if "reading" in chosen:
+            reading(folder)
+        if "analysis" in chosen:
+            mesh = mesh_facade(stand_in("building1"), options=MeshOptions(size=MESH_SIZE))
+            space = displacement_space(mesh)
+            assembly(mesh, space)
+            analysis(mesh, space, folder)
+        if "neutral_file" in chosen:
+            neutral_file(folder)
     print(f"\nwhole run: {perf_counter() - start:.0f} s")
 
 
