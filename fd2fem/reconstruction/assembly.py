@@ -26,6 +26,7 @@ from fd2fem.model import (
     rectangle,
 )
 from fd2fem.reconstruction.completion import Draft, complete_edges
+from fd2fem.reconstruction.gaps import polygons_of
 from fd2fem.reconstruction.options import ReconstructionOptions
 from fd2fem.reconstruction.outline import WallOutline
 
@@ -204,8 +205,7 @@ def _ring(draft: Draft) -> FloatArray:
 def _filled(hole: Hole, ring: FloatArray, tolerance: float) -> FilledHole | None:
     """The largest part of an occlusion that lies on the wall."""
     on_wall = shapely.Polygon(hole.loop).intersection(shapely.Polygon(ring))
-    pieces = [piece for piece in getattr(on_wall, "geoms", [on_wall]) if isinstance(piece, shapely.Polygon)]
-    pieces = [piece for piece in pieces if piece.area > 0.0]
+    pieces = [piece for piece in polygons_of(on_wall) if piece.area > 0.0]
     if not pieces:
         return None
     largest = shapely.Polygon(max(pieces, key=lambda piece: piece.area).exterior.simplify(tolerance).coords)

@@ -12,13 +12,14 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 from scipy import ndimage
+from shapely.geometry.base import BaseGeometry
 
 from fd2fem.model import Boundary, FacadePoints, RayMap, Side
 from fd2fem.reconstruction.boundary import triangle_areas
 from fd2fem.reconstruction.histogram import histogram_peaks
 from fd2fem.reconstruction.rays import Shadows
 
-__all__ = ["Gap", "cell_middles", "cells_inside", "find_gaps"]
+__all__ = ["Gap", "cell_middles", "cells_inside", "find_gaps", "polygons_of"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -89,11 +90,16 @@ def find_gaps(points: FacadePoints, boundary: Boundary, shadows: Shadows) -> lis
     return found
 
 
+def polygons_of(region: BaseGeometry) -> list[shapely.Polygon]:
+    """The polygons that a geometry is made of; points and lines are left out."""
+    return [piece for piece in getattr(region, "geoms", [region]) if isinstance(piece, shapely.Polygon)]
+
+
 def _outline(points: FacadePoints, boundary: Boundary, members: BoolArray) -> Gap:
     """A gap from the triangles of its cluster."""
     triangles = boundary.triangles[members]
     region = shapely.coverage_union_all(shapely.polygons(points.xz[triangles]))
-    pieces = [piece for piece in getattr(region, "geoms", [region]) if isinstance(piece, shapely.Polygon)]
+    pieces = polygons_of(region)
     shape = max(pieces, key=lambda piece: piece.area)
     box = np.array(shape.bounds).reshape(2, 2)
     low, high = _rectangle(_seen_segments(shape, boundary.threshold), box, points.spacing)
@@ -203,7 +209,7 @@ def _part(gap: Gap, box: FloatArray, points: FacadePoints, boundary: Boundary, r
     margin = 1.5 * rays.cell
     near = shapely.box(*(box[0] - margin), *(box[1] + margin))
     cut = gap.shape.intersection(near)
-    pieces = [piece for piece in getattr(cut, "geoms", [cut]) if isinstance(piece, shapely.Polygon)]
+    pieces = polygons_of(cut)
     if not pieces:
         return None
     shape = max(pieces, key=lambda piece: piece.area)

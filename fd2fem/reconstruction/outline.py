@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from fd2fem.errors import ReconstructionError
 from fd2fem.model import Boundary, FacadePoints
+from fd2fem.reconstruction.gaps import polygons_of
 from fd2fem.reconstruction.rays import Shadows, is_hidden
 from fd2fem.reconstruction.sampling import Sampling
 from fd2fem.reconstruction.skyline import fit_outline
@@ -87,6 +88,6 @@ def _inner_gaps(points: FacadePoints, boundary: Boundary) -> list[NDArray[np.flo
     for cluster in np.setdiff1d(np.unique(boundary.hole_of_triangle), [-1, *boundary.open_clusters]):
         triangles = boundary.triangles[boundary.hole_of_triangle == cluster]
         region = shapely.coverage_union_all(shapely.polygons(points.xz[triangles]))
-        pieces = [piece for piece in getattr(region, "geoms", [region]) if piece.area > least]
+        pieces = [piece for piece in polygons_of(region) if piece.area > least]
         outlines += [np.array(piece.exterior.coords)[:-1] for piece in pieces]
     return outlines
