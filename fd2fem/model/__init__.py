@@ -1,10 +1,13 @@
 """The records that flow between the stages: frozen dataclasses of read-only arrays, no algorithms."""
 
+from fd2fem.model.arcs import Arc, arc_angles, arc_corners, facet_arc
 from fd2fem.model.cloud import PointCloud
 from fd2fem.model.comparison import Comparison, QuantityComparison
-from fd2fem.model.facade import EdgeSigma, Facade, FilledHole, Opening, OpeningKind, number_by_rows, rectangle
+from fd2fem.model.facade import Band, Facade, Storey
 from fd2fem.model.frame import Attachment, FacadeFrame, FacadePoints, OutOfPlane, WallCandidate
-from fd2fem.model.mesh import GROUPS, ElementKind, MeshQuality, VolumeMesh
+from fd2fem.model.load_case import LoadCase
+from fd2fem.model.mesh import ElementKind, MeshQuality, VolumeMesh
+from fd2fem.model.opening import EdgeSigma, FilledHole, Opening, OpeningKind, number_by_rows, rectangle
 from fd2fem.model.rays import RayMap
 from fd2fem.model.reconstruction import (
     Boundary,
@@ -19,12 +22,15 @@ from fd2fem.model.reconstruction import (
 )
 from fd2fem.model.response import Response
 from fd2fem.model.run import Model, RunResult
-from fd2fem.model.solid import SolidModel
+from fd2fem.model.sides import GROUPS, Group, edge_groups
+from fd2fem.model.solid import SolidModel, WallCells
 from fd2fem.model.spacing import SpacingGrid
 
 __all__ = [
     "GROUPS",
+    "Arc",
     "Attachment",
+    "Band",
     "Boundary",
     "BoundaryLine",
     "CellState",
@@ -35,8 +41,10 @@ __all__ = [
     "FacadeFrame",
     "FacadePoints",
     "FilledHole",
+    "Group",
     "Hole",
     "HoleKind",
+    "LoadCase",
     "MeshQuality",
     "Model",
     "Opening",
@@ -52,9 +60,15 @@ __all__ = [
     "Side",
     "SolidModel",
     "SpacingGrid",
+    "Storey",
     "VolumeMesh",
     "VoxelModel",
     "WallCandidate",
+    "WallCells",
+    "arc_angles",
+    "arc_corners",
+    "edge_groups",
+    "facet_arc",
     "number_by_rows",
     "rectangle",
 ]

@@ -16,6 +16,9 @@ __all__ = ["as_array", "as_points", "as_ring", "check_positive", "signed_area"]
 
 FloatArray = NDArray[np.float64]
 
+ONE_CORNER = 1e-7
+"""Corners closer together than this are one, m: CAD programs tell no nearer points apart."""
+
 
 def as_array(
     name: str, values: ArrayLike, shape: Sequence[int | None], *, dtype: type = np.float64
@@ -84,25 +87,27 @@ def signed_area(ring: ArrayLike) -> float:
 
 
 def as_ring(name: str, ring: ArrayLike) -> FloatArray:
-    """Copy a closed polygon into a read-only (k, 2) array, counter-clockwise, first corner not repeated.
+    """Copy a closed polygon into a read-only (k, 2) array, counter-clockwise, no corner repeated.
 
     Raises
     ------
     InputError
-        If it has fewer than three corners, no area, or crosses itself.
+        If it has fewer than three corners, no area, or crosses or touches itself.
     """
     import shapely
 
     points = as_points(name, ring, dim=2)
-    if len(points) > 1 and np.array_equal(points[0], points[-1]):
-        points = points[:-1]
+    points = points[np.hypot(*(np.roll(points, -1, axis=0) - points).T) > ONE_CORNER]
     if len(points) < 3:
         msg = f"Invalid '{name}': a closed polygon needs at least 3 corners, got {len(points)}."
         raise InputError(msg)
     polygon = shapely.Polygon(points)
     if not polygon.is_valid or polygon.area <= 0.0:
         reason = shapely.is_valid_reason(polygon)
-        msg = f"Invalid '{name}': {reason}; expected a polygon with area that does not cross itself."
+        msg = (
+            f"Invalid '{name}': {reason}; expected a polygon with area that does not cross itself: "
+            "correct its corners there."
+        )
         raise InputError(msg)
     if signed_area(points) < 0.0:
         points = points[::-1]

@@ -1,8 +1,7 @@
 """The facade: what a reconstruction finds and a drawing states."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from enum import StrEnum
 from types import MappingProxyType
 from typing import Any
 
@@ -10,163 +9,70 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fd2fem.errors import InputError
-from fd2fem.model.checks import as_ring, check_positive, signed_area
+from fd2fem.model.arc_cuts import cut_arcs
+from fd2fem.model.arcs import Arc, check_arcs
+from fd2fem.model.checks import as_points, check_positive, signed_area
 from fd2fem.model.frame import FacadeFrame
+from fd2fem.model.opening import FilledHole, Opening, check_openings, outline_with_arcs
 
-__all__ = ["EdgeSigma", "Facade", "FilledHole", "Opening", "OpeningKind", "number_by_rows", "rectangle"]
+__all__ = ["Band", "Facade", "Storey"]
 
 TOUCH = 1e-6
 """Two edges closer than this, m, are taken to touch."""
-
-
-class OpeningKind(StrEnum):
-    """What an opening is: a door reaches the ground, a window does not."""
-
-    WINDOW = "window"
-    DOOR = "door"
-
-
-def rectangle(x: float, z: float, width: float, height: float) -> NDArray[np.float64]:
-    """Corners (4, 2), counter-clockwise from the lower left one.
-
-    Examples
-    --------
-    >>> rectangle(1, 2, 3, 4).tolist()
-    [[1.0, 2.0], [4.0, 2.0], [4.0, 6.0], [1.0, 6.0]]
-    """
-    return np.array([[x, z], [x + width, z], [x + width, z + height], [x, z + height]], dtype=np.float64)
+STRAIGHT = 1e-9
+"""An edge is level or upright if its ends differ by less than this, m: by rounding alone."""
 
 
 @dataclass(frozen=True)
-class EdgeSigma:
-    """Standard error of each edge of an opening, m."""
+class Storey:
+    """From the height `z` up, m, the wall is `thickness` thick, m, until the next storey begins."""
 
-    left: float = 0.0
-    right: float = 0.0
-    bottom: float = 0.0
-    top: float = 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class Opening:
-    """A window or door.
-
-    Attributes
-    ----------
-    id : int
-        Number within the facade, from 1, by rows from the ground, left to right.
-    kind : OpeningKind
-    outline : (k, 2) float array, m
-        Facade frame, counter-clockwise, not closed.
-    confidence : float
-        Between 0 and 1; 1 in a drawing.
-    evidence : mapping
-        What spoke for the verdict; JSON values.
-    sigma : EdgeSigma
-    """
-
-    id: int
-    kind: OpeningKind
-    outline: NDArray[np.float64]
-    confidence: float = 1.0
-    evidence: Mapping[str, Any] = field(default_factory=dict)
-    sigma: EdgeSigma = field(default_factory=EdgeSigma)
+    z: float
+    thickness: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "outline", as_ring(f"outline of opening {self.id}", self.outline))
-        object.__setattr__(self, "evidence", MappingProxyType(dict(self.evidence)))
-
-    @property
-    def x(self) -> float:
-        """Left edge of the bounding rectangle, m."""
-        return float(self.outline[:, 0].min())
-
-    @property
-    def z(self) -> float:
-        """Lower edge of the bounding rectangle, m."""
-        return float(self.outline[:, 1].min())
-
-    @property
-    def width(self) -> float:
-        """Width of the bounding rectangle, m."""
-        return float(np.ptp(self.outline[:, 0]))
-
-    @property
-    def height(self) -> float:
-        """Height of the bounding rectangle, m."""
-        return float(np.ptp(self.outline[:, 1]))
-
-    @property
-    def area(self) -> float:
-        """Area of the outline, m²."""
-        return signed_area(self.outline)
+        check_positive("z of a storey", self.z)
+        check_positive("thickness of a storey", self.thickness)
 
 
-def number_by_rows(openings: Iterable[Opening]) -> tuple[Opening, ...]:
-    """Number openings from 1: row by row from the ground, in a row from left to right.
+@dataclass(frozen=True)
+class Band:
+    """A level strip of the wall of one thickness: `low` to `high`, m; `thickness`, m."""
 
-    A row ends where an opening starts above the lowest head in it.
-
-    Examples
-    --------
-    >>> boxes = [rectangle(3, 1.5, 1, 1), rectangle(1, 4, 1, 1), rectangle(1, 1, 1, 1)]
-    >>> numbered = number_by_rows(Opening(0, OpeningKind.WINDOW, box) for box in boxes)
-    >>> [(opening.id, opening.x, opening.z) for opening in numbered]
-    [(1, 1.0, 1.0), (2, 3.0, 1.5), (3, 1.0, 4.0)]
-    """
-    rows: list[list[Opening]] = []
-    head = -np.inf
-    for opening in sorted(openings, key=lambda opening: opening.z):
-        if opening.z >= head:
-            rows.append([])
-            head = np.inf
-        rows[-1].append(opening)
-        head = min(head, opening.z + opening.height)
-    ordered = [opening for row in rows for opening in sorted(row, key=lambda opening: opening.x)]
-    return tuple(replace(opening, id=number) for number, opening in enumerate(ordered, start=1))
-
-
-@dataclass(frozen=True, eq=False)
-class FilledHole:
-    """A gap in the points that is not an opening: the wall goes on behind it.
-
-    `outline` (k, 2), m, facade frame, counter-clockwise; `reason` is one sentence.
-    """
-
-    outline: NDArray[np.float64]
-    reason: str
-    evidence: Mapping[str, Any] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "outline", as_ring("outline of a filled hole", self.outline))
-        object.__setattr__(self, "evidence", MappingProxyType(dict(self.evidence)))
-
-    @property
-    def area(self) -> float:
-        """Area of the outline, m²."""
-        return signed_area(self.outline)
+    low: float
+    high: float
+    thickness: float
 
 
 @dataclass(frozen=True, eq=False)
 class Facade:
     """A wall with its openings, in the facade frame.
 
+    The front is flush; where the thickness changes with the storeys, the back steps. Arcs that pass the level
+    of a storey are parted there, so that each storey has the area that lies inside the curve.
+
     Attributes
     ----------
     outline : (k, 2) float array, m
         Outer edge of the wall, counter-clockwise, not closed; its bounding box starts at (0, 0).
     thickness : float, m
+        At the ground, and all the way up unless `storeys` says otherwise.
     openings : tuple of Opening
     filled_holes : tuple of FilledHole
     frame : FacadeFrame
         Where the facade stands in the world.
     record : mapping
         How it came about: points, options, timings, warnings; JSON values.
+    arcs : tuple of Arc
+        Which corners of the outline stand for a curved edge.
+    storeys : tuple of Storey
+        Where the thickness changes, from below; those that do not change it are left out.
 
     Raises
     ------
     InputError
-        If an opening leaves the wall, overlaps or touches another one, or leaves no wall.
+        If an opening leaves the wall, overlaps or touches another one, or leaves no wall; if an arc does
+        not fit its corners; if the storeys do not rise or lie above the wall.
     """
 
     outline: NDArray[np.float64]
@@ -175,9 +81,14 @@ class Facade:
     filled_holes: tuple[FilledHole, ...] = ()
     frame: FacadeFrame = field(default_factory=FacadeFrame.identity)
     record: Mapping[str, Any] = field(default_factory=dict)
+    arcs: tuple[Arc, ...] = ()
+    storeys: tuple[Storey, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "outline", as_ring("outline", self.outline))
+        arcs = tuple(self.arcs)
+        object.__setattr__(self, "outline", outline_with_arcs("outline", self.outline, arcs))
+        object.__setattr__(self, "arcs", check_arcs("outline", self.outline, arcs))
+        object.__setattr__(self, "storeys", tuple(self.storeys))
         object.__setattr__(self, "thickness", check_positive("thickness", self.thickness))
         object.__setattr__(self, "openings", tuple(self.openings))
         object.__setattr__(self, "filled_holes", tuple(self.filled_holes))
@@ -188,7 +99,14 @@ class Facade:
                 f"Invalid 'outline': its lower left corner is ({low[0]:.6g}, {low[1]:.6g}), expected (0, 0)."
             )
             raise InputError(msg)
-        _check_openings(self.outline, self.openings)
+        _check_storeys(self.storeys, self.height)
+        object.__setattr__(self, "storeys", _changes(self.thickness, self.storeys))
+        levels = [storey.z for storey in self.storeys]
+        ring, arcs = cut_arcs(self.outline, self.arcs, levels)
+        object.__setattr__(self, "outline", as_points("outline", ring, dim=2))
+        object.__setattr__(self, "arcs", arcs)
+        object.__setattr__(self, "openings", tuple(_cut(opening, levels) for opening in self.openings))
+        check_openings(self.outline, self.openings)
 
     @property
     def length(self) -> float:
@@ -210,42 +128,59 @@ class Facade:
         """Area of the wall without its openings, m²."""
         return signed_area(self.outline) - self.opening_area
 
+    @property
+    def rectilinear(self) -> bool:
+        """Whether all edges are level or upright."""
+        rings = (self.outline, *(opening.outline for opening in self.openings))
+        return all(bool((np.abs(np.roll(r, -1, axis=0) - r).min(axis=1) < STRAIGHT).all()) for r in rings)
 
-def _check_openings(outline: NDArray[np.float64], openings: tuple[Opening, ...]) -> None:
-    """Raise unless each opening lies in the wall (a door may reach the ground) and apart from the others."""
-    import shapely
-    from shapely.geometry.base import BaseGeometry
+    @property
+    def bands(self) -> tuple[Band, ...]:
+        """Strips of one thickness each, from the ground up."""
+        bottoms = [0.0, *(storey.z for storey in self.storeys)]
+        thicknesses = [self.thickness, *(storey.thickness for storey in self.storeys)]
+        tops = [*bottoms[1:], self.height]
+        return tuple(Band(*values) for values in zip(bottoms, tops, thicknesses, strict=True))
 
-    wall = shapely.Polygon(outline)
-    shapes = [shapely.Polygon(opening.outline) for opening in openings]
-    ground = shapely.LineString([(wall.bounds[0], 0.0), (wall.bounds[2], 0.0)]).buffer(2 * TOUCH)
-    for opening, shape in zip(openings, shapes, strict=True):
-        edges: BaseGeometry = wall.boundary
-        if not wall.buffer(TOUCH).contains(shape):
-            msg = f"{_name(opening)} does not lie inside the wall: move it or correct the wall's outline."
+    @property
+    def volume(self) -> float:
+        """Volume of the wall without its openings, m³."""
+        if not self.storeys:
+            return self.wall_area * self.thickness
+        import shapely
+
+        wall = shapely.Polygon(self.outline).difference(
+            shapely.union_all([shapely.Polygon(opening.outline) for opening in self.openings])
+        )
+        left, right = -1.0, self.length + 1.0
+        return float(
+            sum(
+                wall.intersection(shapely.box(left, b.low, right, b.high)).area * b.thickness
+                for b in self.bands
+            )
+        )
+
+
+def _check_storeys(storeys: tuple[Storey, ...], height: float) -> None:
+    """Raise unless the storeys begin one above the other, within the wall."""
+    below = 0.0
+    for storey in storeys:
+        if not below + TOUCH < storey.z < height - TOUCH:
+            msg = (
+                f"The storey from z = {storey.z:g} m must begin above z = {below:g} and below the wall's top "
+                f"at {height:g} m: list storeys from below."
+            )
             raise InputError(msg)
-        if opening.kind is OpeningKind.DOOR:
-            if opening.z > TOUCH:
-                msg = f"{_name(opening)} does not reach the ground at z = 0: call it a window or lower it."
-                raise InputError(msg)
-            edges = edges.difference(ground)
-        if edges.distance(shape) < TOUCH:
-            msg = f"{_name(opening)} touches the edge of the wall: leave wall there or change the outline."
-            raise InputError(msg)
-    tree = shapely.STRtree(shapes)
-    for first, shape in enumerate(shapes):
-        for second in tree.query(shape.buffer(TOUCH)):
-            if first < second and shapes[second].distance(shape) < TOUCH:
-                msg = (
-                    f"openings {openings[first].id} and {openings[second].id} touch or overlap: "
-                    "leave wall between them, or make them one."
-                )
-                raise InputError(msg)
+        below = storey.z
 
 
-def _name(opening: Opening) -> str:
-    """An opening as a message names it."""
-    return (
-        f"opening {opening.id} ({opening.kind}, {opening.width:.3f} x {opening.height:.3f} m "
-        f"at x = {opening.x:.3f}, z = {opening.z:.3f})"
-    )
+def _changes(thickness: float, storeys: tuple[Storey, ...]) -> tuple[Storey, ...]:
+    """The storeys whose thickness is not that of the wall below, which is `thickness` at the ground."""
+    below = [thickness, *(storey.thickness for storey in storeys)]
+    return tuple(storey for storey, before in zip(storeys, below, strict=False) if storey.thickness != before)
+
+
+def _cut(opening: Opening, levels: list[float]) -> Opening:
+    """The opening with its arcs cut at levels."""
+    ring, arcs = cut_arcs(opening.outline, opening.arcs, levels)
+    return opening if ring is opening.outline else replace(opening, outline=ring, arcs=arcs)

@@ -11,27 +11,25 @@ from numpy.typing import NDArray
 from fd2fem.errors import InputError
 from fd2fem.model.checks import as_array, as_points
 
-__all__ = ["GROUPS", "ElementKind", "MeshQuality", "VolumeMesh"]
-
-GROUPS = ("base", "front", "back", "left", "right", "top")
-"""Names of the facet groups of a facade's mesh; reveals and sills belong to none of them."""
+__all__ = ["ElementKind", "MeshQuality", "VolumeMesh"]
 
 
 class ElementKind(StrEnum):
     """Kinds of elements, by meshio's names."""
 
     HEXAHEDRON = "hexahedron"
+    HEXAHEDRON20 = "hexahedron20"
     TETRA10 = "tetra10"
 
     @property
     def nodes(self) -> int:
         """Nodes of an element."""
-        return {"hexahedron": 8, "tetra10": 10}[self.value]
+        return {"hexahedron": 8, "hexahedron20": 20, "tetra10": 10}[self.value]
 
     @property
     def facet_nodes(self) -> int:
         """Nodes of a facet."""
-        return {"hexahedron": 4, "tetra10": 6}[self.value]
+        return {"hexahedron": 4, "hexahedron20": 8, "tetra10": 6}[self.value]
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,11 +40,12 @@ class VolumeMesh:
     ----------
     nodes : (n, 3) float array, m
         Facade frame.
-    elements : (e, 8) or (e, 10) int array
+    elements : (e, 8), (e, 20) or (e, 10) int array
         Nodes of each element from 0, in VTK's order, positive volume.
     kind : ElementKind
-    groups : mapping of str to (f, 4) or (f, 6) int arrays
-        Facets by name (`GROUPS`): nodes of each, right-handed about the outward normal.
+    groups : mapping of str to (f, 4), (f, 8) or (f, 6) int arrays
+        Facets by name (:data:`~fd2fem.model.GROUPS`): nodes of each, corners first, right-handed about the
+        outward normal; then the middles of its edges.
 
     Raises
     ------

@@ -254,26 +254,28 @@ class VoxelModel:
         Corners of each voxel in x and z; they do not overlap and cover the bounding box.
     state : (v,) int array
         `CellState.FULL` or `CellState.EMPTY`.
-    thickness : float, m
-        Extent of every voxel in y, from 0.
+    thickness : (v,) float array, m
+        Extent of each voxel in y, from 0; one number where all are equal.
     """
 
     lower: NDArray[np.float64]
     upper: NDArray[np.float64]
     state: NDArray[np.intp]
-    thickness: float
+    thickness: NDArray[np.float64]
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lower", as_points("lower", self.lower, dim=2))
         object.__setattr__(self, "upper", as_points("upper", self.upper, dim=2))
         object.__setattr__(self, "state", as_array("state", self.state, (len(self.lower),), dtype=np.intp))
+        thickness = np.broadcast_to(self.thickness, len(self.lower))
+        object.__setattr__(self, "thickness", as_array("thickness", thickness, (len(self.lower),)))
 
     @property
     def volume(self) -> float:
         """Volume of the full voxels, m³."""
         full = self.state == CellState.FULL
         sides = self.upper[full] - self.lower[full]
-        return float(self.thickness * np.sum(sides[:, 0] * sides[:, 1]))
+        return float(np.sum(self.thickness[full] * sides[:, 0] * sides[:, 1]))
 
 
 @dataclass(frozen=True, eq=False)

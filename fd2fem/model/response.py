@@ -33,7 +33,7 @@ class Response:
         Self-weight of the wall.
     max_displacement : float, m
     max_principal_stress : float, Pa
-        Largest σ1 at a node.
+        Largest σ1 at a node; in masonry that cracks, at a node of an element, before the mean over elements.
     p95_principal_stress, p99_principal_stress, rms_stress : float, Pa
         Percentiles of σ1 and root mean square of σ1 by volume, over the wall higher above the base
         than it is thick: unlike the maximum, these converge with the mesh.
@@ -41,11 +41,21 @@ class Response:
     dissipated_energy : float, J
     max_crack_opening : float, m
     damage_class : int
-        After Burland; -1 where the analysis does not say.
+        After Burland, by the width of the cracks; -1 where the analysis knows no cracks.
     dofs : int
     solver : mapping
         Name, element, relative residual and imbalance; JSON values.
     timings : mapping of str to float, s
+    crack_opening : (e,) float array, m
+        Width of the crack through each element; 0 where it is intact.
+    crack_normal : (e, 3) float array
+        Unit vector across it; 0 where the element is intact.
+    dissipation : (e,) float array, J
+        Energy that each element has taken.
+    history : tuple of mappings
+        What each step of the load found, the self-weight first; JSON values. Empty after a single solve.
+    damage : mapping
+        Classes of damage by strain and by cracks, and what an equivalent beam says; JSON values.
     """
 
     mesh: VolumeMesh
@@ -66,6 +76,11 @@ class Response:
     damage_class: int = -1
     solver: Mapping[str, Any] = field(default_factory=dict)
     timings: Mapping[str, float] = field(default_factory=dict)
+    crack_opening: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    crack_normal: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+    dissipation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    history: tuple[Mapping[str, Any], ...] = ()
+    damage: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         n = len(self.mesh.nodes)
@@ -76,5 +91,15 @@ class Response:
             ("reaction", (3,)),
         ):
             object.__setattr__(self, name, as_array(name, getattr(self, name), shape))
+        elements = len(self.mesh.elements)
+        for name, shape in (
+            ("crack_opening", (elements,)),
+            ("crack_normal", (elements, 3)),
+            ("dissipation", (elements,)),
+        ):
+            given = getattr(self, name)
+            object.__setattr__(self, name, as_array(name, given if len(given) else np.zeros(shape), shape))
+        object.__setattr__(self, "history", tuple(MappingProxyType(dict(step)) for step in self.history))
+        object.__setattr__(self, "damage", MappingProxyType(dict(self.damage)))
         object.__setattr__(self, "solver", MappingProxyType(dict(self.solver)))
         object.__setattr__(self, "timings", MappingProxyType(dict(self.timings)))

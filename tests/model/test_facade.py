@@ -6,7 +6,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fd2fem.errors import InputError
-from fd2fem.model import EdgeSigma, Facade, FilledHole, Opening, OpeningKind, number_by_rows, rectangle
+from fd2fem.model import (
+    EdgeSigma,
+    Facade,
+    FilledHole,
+    Opening,
+    OpeningKind,
+    Storey,
+    number_by_rows,
+    rectangle,
+)
 
 WINDOW, DOOR = OpeningKind.WINDOW, OpeningKind.DOOR
 
@@ -151,3 +160,33 @@ def test_area_of_a_filled_hole():
     assert FilledHole([[0, 0], [2, 0], [0, 1]], "a shadow").area == pytest.approx(1.0)
     with pytest.raises(InputError, match="outline of a filled hole"):
         FilledHole(np.zeros((2, 2)), "nothing")
+
+
+def test_a_wall_that_gets_thinner_storey_by_storey():
+    # 5 x 6 m: 0.5 m thick up to 2 m, 0.35 m up to 4 m, 0.24 m above; 1 x 2 m of window half in each upper.
+    window = Opening(1, WINDOW, rectangle(2, 3, 1, 2))
+    facade = Facade(rectangle(0, 0, 5, 6), 0.5, (window,), storeys=(Storey(2, 0.35), Storey(4, 0.24)))
+    assert [(band.low, band.high, band.thickness) for band in facade.bands] == [
+        (0.0, 2, 0.5),
+        (2, 4, 0.35),
+        (4, 6.0, 0.24),
+    ]
+    assert facade.volume == pytest.approx(10 * 0.5 + 9 * 0.35 + 9 * 0.24)
+
+
+def test_a_wall_of_one_thickness_is_one_band():
+    facade = _facade(_window(1, 1, 1, 1))
+    assert [(band.low, band.high, band.thickness) for band in facade.bands] == [(0.0, 6.0, 0.35)]
+    assert facade.volume == pytest.approx(29 * 0.35)
+
+
+@pytest.mark.parametrize("heights", [(4, 2), (2, 2), (6,), (7,)])
+def test_storeys_rise_within_the_wall(heights):
+    with pytest.raises(InputError, match=r"must begin above z = .* list storeys from below"):
+        Facade(rectangle(0, 0, 5, 6), 0.5, storeys=tuple(Storey(z, 0.3) for z in heights))
+
+
+@pytest.mark.parametrize(("z", "thickness"), [(0, 0.3), (-1, 0.3), (2, 0), (2, float("nan"))])
+def test_a_storey_needs_a_height_and_a_thickness(z, thickness):
+    with pytest.raises(InputError, match="of a storey"):
+        Storey(z, thickness)
