@@ -1,9 +1,13 @@
-"""A drawing as DXF: closed polylines on layers.
+"""A drawing as DXF: closed polylines, circles and ellipses on layers.
 
-The wall is the largest closed polyline on a layer whose name contains "wall", "outline" or "facade",
-or the largest of all where there is no such layer. The closed polylines inside it are its openings; of
-nested ones (panes in a window) the outer one counts, and what lies outside (frames, details) is left
-out. An opening is a door where its layer's name contains "door" or it stands on the wall's lower edge.
+The wall is the largest closed curve on a layer whose name contains "wall", "outline" or "facade", or the
+largest of all where there is no such layer. The closed curves inside it are its openings; of nested ones
+(panes in a window) the outer one counts, and what lies outside (frames, details) is left out. An opening is
+a door where its layer's name contains "door" or it stands on the wall's lower edge.
+
+Polylines may have arcs (bulges). Arcs of circles and of ellipses with level and upright axes are kept as the
+arcs of the facade, whose corners bound exactly their area and leave them by at most 1 mm; of ellipses that
+lean, only such corners are kept.
 """
 
 from collections.abc import Sequence
@@ -12,11 +16,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fd2fem.drawings.placing import DEFAULT_THICKNESS, DrawnShape, place_facade
+from fd2fem.drawings.dxf_curves import closed_curves, outline_in_plane
+from fd2fem.drawings.placing import DEFAULT_THICKNESS, SAGITTA, DrawnShape, DrawnWall, place_facade
 from fd2fem.errors import InputError
 from fd2fem.model import Facade, OpeningKind, number_by_rows
+from fd2fem.model.outlines import Outline
 
 if TYPE_CHECKING:
     import shapely
@@ -27,20 +32,21 @@ UNITS = {1: 0.0254, 2: 0.3048, 4: 0.001, 5: 0.01, 6: 1.0, 14: 0.1}
 """Metres per drawing unit, by $INSUNITS: inch, foot, millimetre, centimetre, metre, decimetre."""
 LONGEST_M = 200.0
 """A drawing without units that is larger than this is in millimetres."""
-SAGITTA = 0.001
-"""Arcs become chords at most this far from them, m."""
 SNAP = 0.001
 """An opening this close to the wall's lower edge stands on it, m."""
 SMALLEST = 1e-4
-"""A closed polyline with less area is a stroke, m²."""
+"""A closed curve with less area is a stroke, m²."""
+EXACT = 1e-7
+"""An opening whose lowest corner is this close to it has been set down, m."""
 WALL_LAYERS, DOOR_LAYERS = ("wall", "outline", "facade"), ("door",)
 
 
 @dataclass(frozen=True, eq=False)
 class _Polygon:
-    """A closed polyline: its layer's name in small letters and its shape in metres."""
+    """A closed curve: its layer's name in small letters, its outline and shape in metres."""
 
     layer: str
+    outline: Outline
     shape: "shapely.Polygon"
 
     def on(self, words: Sequence[str]) -> bool:
@@ -63,7 +69,7 @@ def facade_from_dxf(path: Path, *, thickness: float | None = None) -> Facade:
     Raises
     ------
     InputError
-        If it is not a DXF file, has no closed polyline, or these do not make a facade.
+        If it is not a DXF file, has no closed curve, or these do not make a facade.
     """
     polygons = _polygons(path, _read(path))
     if not polygons:
@@ -71,13 +77,11 @@ def facade_from_dxf(path: Path, *, thickness: float | None = None) -> Facade:
         raise InputError(msg)
     named = [polygon for polygon in polygons if polygon.on(WALL_LAYERS)]
     wall = max(named or polygons, key=lambda polygon: float(polygon.shape.area))
-    low = wall.shape.bounds[1]
-    shapes = [_drawn(polygon, low) for polygon in _inside(wall, polygons)]
+    low = float(wall.shape.bounds[1])
     facade = place_facade(
-        np.array(wall.shape.exterior.coords),
-        shapes,
+        DrawnWall(wall.outline, DEFAULT_THICKNESS if thickness is None else thickness),
+        [_drawn(polygon, low) for polygon in _inside(wall, polygons)],
         source=str(path),
-        thickness=DEFAULT_THICKNESS if thickness is None else thickness,
         frame=None,
         record={"source": path.name},
     )
@@ -96,36 +100,34 @@ def _read(path: Path) -> Any:
 
 
 def _polygons(path: Path, drawing: Any) -> list[_Polygon]:
-    """All closed polylines of the model space, also those in blocks."""
+    """All closed curves of the model space, also those in blocks."""
     import shapely
-    from ezdxf.disassemble import recursive_decompose
-    from ezdxf.entities.polyline import Polyline
-    from ezdxf.path import make_path
 
-    entities = [
-        entity
-        for entity in recursive_decompose(drawing.modelspace())
-        if entity.dxftype() == "LWPOLYLINE"
-        or (isinstance(entity, Polyline) and (entity.is_2d_polyline or entity.is_3d_polyline))
-    ]
-    outlines = [(str(entity.dxf.layer).lower(), make_path(entity)) for entity in entities]
-    closed = [(layer, outline) for layer, outline in outlines if len(outline) and outline.is_closed]
-    if not closed:
+    try:
+        curves = closed_curves(drawing.modelspace())
+    except InputError as error:
+        msg = f"{path}: {error}"
+        raise InputError(msg) from error
+    if not curves:
         return []
-    corners = np.array([tuple(v) for _, outline in closed for v in outline.control_vertices()])
-    metres = _metres_per_unit(path, drawing, np.ptp(corners, axis=0).max())
+    extremes = np.concatenate([curve.extremes for curve in curves])
+    metres = _metres_per_unit(path, drawing, np.ptp(extremes, axis=0).max())
     # An elevation may be drawn upright in space: then it has no extent in y.
-    upright = np.ptp(corners[:, 1]) * metres < SNAP
+    upright = np.ptp(extremes[:, 1]) * metres < SNAP
+    projection = metres * np.eye(3)[:, [0, 2 if upright else 1]]
     polygons = []
-    for layer, outline in closed:
-        points = np.array([tuple(v) for v in outline.flattening(SAGITTA / metres)])
-        shape = shapely.Polygon(points[:, [0, 2 if upright else 1]] * metres)
+    for curve in curves:
+        outline = outline_in_plane(curve, projection, tolerance=SAGITTA)
+        if len(outline.ring) < 3:
+            continue
+        shape = shapely.Polygon(outline.ring)
         if shape.area < SMALLEST and shape.convex_hull.area < SMALLEST:
             continue
         if not shape.is_valid:
-            msg = f"{path}: a closed polyline on layer '{layer}' is wrong: {shapely.is_valid_reason(shape)}."
+            reason = shapely.is_valid_reason(shape)
+            msg = f"{path}: a closed polyline on layer '{curve.layer}' is wrong: {reason}; correct it there."
             raise InputError(msg)
-        polygons.append(_Polygon(layer, shape))
+        polygons.append(_Polygon(curve.layer, outline, shape))
     return polygons
 
 
@@ -154,7 +156,21 @@ def _inside(wall: _Polygon, polygons: Sequence[_Polygon]) -> list[_Polygon]:
 
 def _drawn(polygon: _Polygon, low: float) -> DrawnShape:
     """The opening, set down on the wall's lower edge `low` where it is within `SNAP` of it."""
-    outline: NDArray[np.float64] = np.array(polygon.shape.exterior.coords)
-    outline[np.abs(outline[:, 1] - low) < SNAP, 1] = low
-    is_door = polygon.on(DOOR_LAYERS) or bool(outline[:, 1].min() == low)
+    outline = _set_down(polygon.outline, low)
+    is_door = polygon.on(DOOR_LAYERS) or bool(abs(outline.ring[:, 1].min() - low) < EXACT)
     return DrawnShape(outline, OpeningKind.DOOR if is_door else OpeningKind.WINDOW)
+
+
+def _set_down(outline: Outline, low: float) -> Outline:
+    """The outline with its feet at the height `low`: corners move alone, but an arc with all of the shape."""
+    near = np.abs(outline.ring[:, 1] - low) < SNAP
+    if not near.any():
+        return outline
+    count = len(outline.ring)
+    for arc in outline.arcs:
+        steps = (arc.last - arc.first) % count or count
+        if near[(arc.first + np.arange(steps + 1)) % count].any():
+            return outline.moved(0.0, low - float(outline.ring[:, 1].min()))
+    ring = outline.ring.copy()
+    ring[near, 1] = low
+    return Outline(ring, outline.arcs)

@@ -1,7 +1,7 @@
 """The facade.json file: what a reconstruction writes and every later step reads."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
@@ -9,10 +9,20 @@ import numpy as np
 
 from fd2fem.drawings.placing import DEFAULT_THICKNESS
 from fd2fem.errors import InputError
-from fd2fem.model import EdgeSigma, Facade, FacadeFrame, FilledHole, Opening, OpeningKind, rectangle
+from fd2fem.model import (
+    Arc,
+    EdgeSigma,
+    Facade,
+    FacadeFrame,
+    FilledHole,
+    Opening,
+    OpeningKind,
+    Storey,
+    rectangle,
+)
 
 if TYPE_CHECKING:
-    from fd2fem.drawings.schemas import FacadeFile, StoredOpening
+    from fd2fem.drawings.schemas import FacadeFile, StoredArc, StoredOpening
 
 __all__ = ["SCHEMA", "facade_from_dict", "facade_to_dict"]
 
@@ -24,8 +34,10 @@ FACADE_KEYS = (
     "length",
     "height",
     "thickness",
+    "storeys",
     "opening_area",
     "outline",
+    "arcs",
     "openings",
     "filled_holes",
 )
@@ -40,6 +52,10 @@ def facade_to_dict(facade: Facade) -> dict[str, Any]:
     `facade.record` fills the keys after the openings; where it lacks one of the file's own ("points",
     "options", "timings_s", "version"), that is empty, or the version of this program. A number that is
     NaN or infinite becomes null, for JSON has none.
+
+    The arcs of an outline say which of its corners, from "first" to "last", both counted from 0, stand for a
+    piece of an ellipse with the given centre and radii along x and z; "storeys" are where the thickness
+    changes, from below.
 
     Raises
     ------
@@ -65,8 +81,10 @@ def facade_to_dict(facade: Facade) -> dict[str, Any]:
         "length": facade.length,
         "height": facade.height,
         "thickness": facade.thickness,
+        "storeys": [{"z": storey.z, "thickness": storey.thickness} for storey in facade.storeys],
         "opening_area": facade.opening_area,
         "outline": facade.outline,
+        "arcs": [_arc_to_dict(arc) for arc in facade.arcs],
         "openings": [_opening_to_dict(opening) for opening in facade.openings],
         "filled_holes": [
             {"outline": hole.outline, "area": hole.area, "reason": hole.reason, "evidence": hole.evidence}
@@ -89,10 +107,15 @@ def _opening_to_dict(opening: Opening) -> dict[str, Any]:
         "height": opening.height,
         "area": opening.area,
         "outline": opening.outline,
+        "arcs": [_arc_to_dict(arc) for arc in opening.arcs],
         "confidence": opening.confidence,
         "evidence": opening.evidence,
         "sigma": {"left": sigma.left, "right": sigma.right, "bottom": sigma.bottom, "top": sigma.top},
     }
+
+
+def _arc_to_dict(arc: Arc) -> dict[str, Any]:
+    return {"first": arc.first, "last": arc.last, "centre": (arc.x, arc.z), "radii": (arc.a, arc.b)}
 
 
 def _plain(key: str, value: Any) -> Any:
@@ -120,7 +143,8 @@ def facade_from_dict(data: Any, *, source: str) -> Facade:
     ----------
     data : mapping
         As `facade_to_dict` returns it. Needs schema, units, openings, and the outline or length and
-        height; everything else may be missing. Keys that the facade does not know become its record.
+        height; everything else may be missing, but arcs need the outline whose corners they count. Keys
+        that the facade does not know become its record.
     source : str
         File that a message names.
 
@@ -162,6 +186,8 @@ def _facade(file: "FacadeFile", record: Mapping[str, Any]) -> Facade:
         ),
         frame=frame,
         record=record,
+        arcs=_arcs(file.arcs),
+        storeys=tuple(Storey(storey.z, storey.thickness) for storey in file.storeys),
     )
 
 
@@ -176,7 +202,12 @@ def _opening(number: int, entry: "StoredOpening") -> Opening:
         confidence=entry.confidence,
         evidence=entry.evidence,
         sigma=EdgeSigma(**entry.sigma.model_dump()),
+        arcs=_arcs(entry.arcs),
     )
+
+
+def _arcs(entries: "Sequence[StoredArc]") -> tuple[Arc, ...]:
+    return tuple(Arc(entry.first, entry.last, *entry.centre, *entry.radii) for entry in entries)
 
 
 def _rectangle(*sizes: float | None) -> list[list[float]]:

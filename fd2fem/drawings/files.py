@@ -21,7 +21,7 @@ def read_facade(path: Path, *, thickness: float | None = None) -> Facade:
     ----------
     path : Path
     thickness : float, m, or None
-        In place of the file's; where neither says, 0.35 m.
+        At the ground, in place of the file's, whose storeys keep theirs; where neither says, 0.35 m.
 
     Raises
     ------

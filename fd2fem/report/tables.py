@@ -20,6 +20,7 @@ def facade_summary(facade: Facade) -> dict[str, Any]:
         "length": facade.length,
         "height": facade.height,
         "thickness": facade.thickness,
+        "storeys": [{"z": storey.z, "thickness": storey.thickness} for storey in facade.storeys],
         "opening_area": facade.opening_area,
         "openings": [
             {

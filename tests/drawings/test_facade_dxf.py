@@ -93,12 +93,12 @@ def test_arch(tmp_path, units, per_metre):
     points = [(1, 1, 0), (2.2, 1, 0), (2.2, 2, 1), (1, 2, 0)]
     space.add_lwpolyline([(x * per_metre, y * per_metre, b) for x, y, b in points], format="xyb", close=True)
     (arch,) = read(tmp_path, file).openings
-    assert arch.height == pytest.approx(1.6, abs=1e-3)
-    # Chords at most 1 mm inside the arc lose at most 2/3 of the strip of 1 mm.
-    exact = 1.2 + np.pi * 0.6**2 / 2
-    assert exact - 2 / 3 * 0.001 * np.pi * 0.6 < arch.area < exact + 1e-4
+    assert (arch.width, arch.height) == pytest.approx((1.2, 1.6), abs=1e-9)
+    assert arch.area == pytest.approx(1.2 + np.pi * 0.6**2 / 2, rel=1e-12)
+    assert [(a.x, a.z, a.a, a.b) for a in arch.arcs] == [pytest.approx((1.6, 2.0, 0.6, 0.6))] * 2
     radii = np.hypot(*(arch.outline[arch.outline[:, 1] > 2.0001] - [1.6, 2.0]).T)
-    assert np.allclose(radii, 0.6, rtol=0, atol=2e-4)
+    assert radii.min() > 0.6 - 1e-9
+    assert radii.max() < 0.601
     assert 8 <= len(arch.outline) <= 70
 
 

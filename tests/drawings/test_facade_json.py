@@ -59,7 +59,8 @@ def test_keys_of_the_contract():
     assert content["opening_area"] == pytest.approx(1.89 + 1.2, abs=1e-12)
     door, window = content["openings"]
     assert set(door) == {
-        *("id", "kind", "x", "z", "width", "height", "area", "outline", "confidence", "evidence", "sigma"),
+        *("id", "kind", "x", "z", "width", "height", "area", "outline", "arcs"),
+        *("confidence", "evidence", "sigma"),
     }
     assert (door["id"], door["kind"], door["x"], door["z"]) == (1, "door", 0.7, 0.0)
     assert window["area"] == pytest.approx(1.2, abs=1e-12)
