@@ -25,6 +25,7 @@ from fd2fem.model import (
     number_by_rows,
     rectangle,
 )
+from fd2fem.model.outlines import Outline
 from fd2fem.reconstruction.completion import Draft, complete_edges
 from fd2fem.reconstruction.gaps import polygons_of
 from fd2fem.reconstruction.options import ReconstructionOptions
@@ -115,7 +116,7 @@ def settle_conflicts(drafts: Sequence[Draft], ring: FloatArray) -> tuple[list[Dr
     for draft in sorted(drafts, key=lambda draft: (-draft.hole.confidence, -draft.hole.area)):
         reason = ""
         left, right, bottom, top = (draft.position[side] for side in Side)
-        shape = shapely.Polygon(_ring(draft)) if right > left and top > bottom else None
+        shape = shapely.Polygon(_outline(draft).ring) if right > left and top > bottom else None
         if shape is None:
             reason = "its edges do not show"
         elif not (ground if draft.door else wall).buffer(-APART).contains(shape):
@@ -156,12 +157,14 @@ def assemble_facade(
     ------
     ReconstructionError
         If the lines of an opening cross, or openings touch.
+    InputError
+        If the storeys of the options do not rise, or lie above the wall.
     """
     openings = [_opening(draft) for draft in drafts]
     # A filled hole is there to be looked at: its ragged outline need not be kept to every point.
     filled = [_filled(hole, outline.ring, points.spacing / 2.0) for hole in occlusions]
     try:
-        return Facade(
+        facade = Facade(
             outline.ring,
             options.thickness,
             number_by_rows(openings),
@@ -171,6 +174,7 @@ def assemble_facade(
     except InputError as error:
         msg = f"What was found is no facade ({str(error).rstrip('.')}): check threshold and min_opening."
         raise ReconstructionError(msg) from error
+    return replace(facade, storeys=options.storeys)
 
 
 def _opening(draft: Draft) -> Opening:
@@ -186,20 +190,24 @@ def _opening(draft: Draft) -> Opening:
     evidence = {"verdict": hole.reason, "shape": draft.shape, **hole.evidence}
     if draft.notes:
         evidence["hidden_edges"] = {side.value: note for side, note in draft.notes.items()}
+    outline = _outline(draft)
     return Opening(
         id=0,
         kind=OpeningKind.DOOR if draft.door else OpeningKind.WINDOW,
-        outline=_ring(draft),
+        outline=outline.ring,
         confidence=round(hole.confidence, 3),
         evidence=evidence,
         sigma=EdgeSigma(**{side.value: draft.sigma[side] for side in Side}),
+        arcs=outline.arcs,
     )
 
 
-def _ring(draft: Draft) -> FloatArray:
-    """Outline of an opening, (k, 2), m."""
+def _outline(draft: Draft) -> Outline:
+    """Outline of an opening."""
+    if draft.outline is not None:
+        return draft.outline
     left, right, bottom, top = (draft.position[side] for side in Side)
-    return rectangle(left, bottom, right - left, top - bottom) if draft.ring is None else draft.ring
+    return Outline(rectangle(left, bottom, right - left, top - bottom))
 
 
 def _filled(hole: Hole, ring: FloatArray, tolerance: float) -> FilledHole | None:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fd2fem.reconstruction.curves import Head, HeadKind, oval_of
+from fd2fem.model.heads import Head, HeadKind, oval_of
 from fd2fem.reconstruction.edges import edge_position
 from fd2fem.reconstruction.sampling import Sampling
 

@@ -61,7 +61,7 @@ def opening_warnings(facade: Facade, options: ReconstructionOptions) -> list[str
 
 def edge_warnings(view: View, lines: tuple[BoundaryLine, ...], drafts: Sequence[Draft]) -> list[str]:
     """Edges of rectangular openings that were taken as upright or level, and are not."""
-    rectangles = {draft.number for draft in drafts if draft.ring is None}
+    rectangles = {draft.number for draft in drafts if draft.outline is None}
     warnings = []
     for line in lines:
         if line.hole not in rectangles:

@@ -9,9 +9,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fd2fem.model import Hole, Side
+from fd2fem.model.outlines import Outline
 
 __all__ = ["Draft", "complete_edges"]
 
@@ -48,8 +48,8 @@ class Draft:
         How an edge that was not seen was completed.
     shape : str
         ``"rectangle"``, or what its head is.
-    ring : (k, 2) float array or None, m
-        Outline of an opening that is no rectangle.
+    outline : Outline or None
+        Of an opening that is no rectangle.
     """
 
     number: int
@@ -59,7 +59,7 @@ class Draft:
     door: bool
     notes: Mapping[Side, str] = field(default_factory=dict)
     shape: str = "rectangle"
-    ring: NDArray[np.float64] | None = None
+    outline: Outline | None = None
 
     def seen(self, side: Side) -> bool:
         """Whether an edge was seen; the ground under a door was not."""

@@ -67,11 +67,15 @@ def voxelise(facade: Facade, *, max_size: float, tolerance: float = 0.02) -> Vox
     """
     rings = [facade.outline, *(opening.outline for opening in facade.openings)]
     lower, upper, _ = divide(facade.outline.min(axis=0), facade.outline.max(axis=0), max_size=max_size)
-    lower, upper = revoxelise(lower, upper, rings)
+    levels = [np.array([[-1.0, s.z], [facade.length + 1.0, s.z]]) for s in facade.storeys]
+    lower, upper = revoxelise(lower, upper, [*rings, *levels])
     lower, upper = refine(lower, upper, rings, tolerance=tolerance)
     case = fly((lower + upper) / 2.0, facade.outline, tuple(opening.outline for opening in facade.openings))
     state = np.where(case == Case.IN_WALL, int(CellState.FULL), int(CellState.EMPTY))
-    return VoxelModel(lower=lower, upper=upper, state=state, thickness=facade.thickness)
+    tops = np.array([band.high for band in facade.bands])[:-1]
+    band = np.searchsorted(tops, (lower[:, 1] + upper[:, 1]) / 2.0)
+    thickness = np.array([band.thickness for band in facade.bands])[band]
+    return VoxelModel(lower=lower, upper=upper, state=state, thickness=thickness)
 
 
 def refine(

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fd2fem.reconstruction.curves import HeadKind, head_rise
+from fd2fem.model.heads import HeadKind
+from fd2fem.reconstruction.curves import head_rise
 from fd2fem.reconstruction.profiles import outermost
 from fd2fem.reconstruction.sampling import Sampling
 

@@ -13,8 +13,9 @@ import shapely
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from fd2fem.model.heads import Head, HeadKind
 from fd2fem.reconstruction.beside_curves import beside_head, sampled_edge
-from fd2fem.reconstruction.curves import Head, HeadKind, head_rise
+from fd2fem.reconstruction.curves import head_rise
 from fd2fem.reconstruction.head_columns import Columns, Fit, Hidden, head_columns, most_likely
 from fd2fem.reconstruction.sampling import Sampling
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from fd2fem.errors import InputError
-from fd2fem.model import HoleKind
+from fd2fem.model import HoleKind, Storey
 from fd2fem.model.checks import check_positive
 
 __all__ = ["Override", "ReconstructionOptions"]
@@ -68,7 +68,9 @@ class ReconstructionOptions:
     overrides : tuple of Override
         Verdicts of the user's on single holes.
     thickness : float, m
-        Of the wall; a scan of the outside does not show it.
+        Of the wall, at the ground; a scan of the outside does not show it.
+    storeys : tuple of Storey
+        Where the wall's thickness changes further up.
     seed : int
         Of the random choices in the search for the plane.
     """
@@ -86,6 +88,7 @@ class ReconstructionOptions:
     wall_band: float | None = None
     overrides: tuple[Override, ...] = ()
     thickness: float = 0.35
+    storeys: tuple[Storey, ...] = ()
     seed: int = 0
 
     def __post_init__(self) -> None:

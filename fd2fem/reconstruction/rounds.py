@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fd2fem.model.heads import HeadKind
 from fd2fem.reconstruction.beside_curves import beside_oval, sampled_edge
-from fd2fem.reconstruction.curves import HeadKind, Round
+from fd2fem.reconstruction.curves import Round
 from fd2fem.reconstruction.head_columns import Hidden
 from fd2fem.reconstruction.heads import fit_head
 from fd2fem.reconstruction.sampling import Sampling

@@ -8,8 +8,9 @@ import shapely
 from numpy.typing import NDArray
 
 from fd2fem.model import Side
+from fd2fem.model.heads import Head, HeadKind, head_outline
 from fd2fem.reconstruction.completion import Draft
-from fd2fem.reconstruction.curves import Head, HeadKind, Round, head_outline, round_outline
+from fd2fem.reconstruction.curves import Round, round_outline
 from fd2fem.reconstruction.heads import fit_head
 from fd2fem.reconstruction.options import ReconstructionOptions
 from fd2fem.reconstruction.rays import is_hidden
@@ -83,9 +84,11 @@ def _round(draft: Draft, window: Round, options: ReconstructionOptions) -> Draft
         Side.BOTTOM: window.z - window.half_height,
         Side.TOP: window.z + window.half_height,
     }
-    ring = round_outline(window, options.curve_tolerance)
+    outline = round_outline(window, options.curve_tolerance)
     shape = "circle" if window.half_width == window.half_height else "ellipse"
-    return replace(draft, position=position, sigma=dict.fromkeys(Side, window.sigma), ring=ring, shape=shape)
+    return replace(
+        draft, position=position, sigma=dict.fromkeys(Side, window.sigma), outline=outline, shape=shape
+    )
 
 
 def _headed(
@@ -110,11 +113,11 @@ def _headed(
     head = _head(view, wall, (left, right), draft, sampling)
     if head.kind is HeadKind.FLAT or head.springing <= position[Side.BOTTOM]:
         return draft
-    ring = head_outline(head, left, right, position[Side.BOTTOM], options.curve_tolerance)
-    if not shapely.Polygon(ring).is_valid:
+    outline = head_outline(head, left, right, position[Side.BOTTOM], options.curve_tolerance)
+    if not shapely.Polygon(outline.ring).is_valid:
         return draft
     position[Side.TOP], sigma[Side.TOP] = head.crown, head.sigma
-    return replace(draft, position=position, sigma=sigma, ring=ring, shape=head.kind.value)
+    return replace(draft, position=position, sigma=sigma, outline=outline, shape=head.kind.value)
 
 
 def _head(view: View, wall: FloatArray, jambs: tuple[float, float], draft: Draft, sampling: Sampling) -> Head:

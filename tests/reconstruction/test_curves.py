@@ -3,8 +3,9 @@ import pytest
 import shapely
 
 from fd2fem.errors import InputError
+from fd2fem.model.heads import Head, HeadKind, head_outline
 from fd2fem.reconstruction.beside_curves import beside_head
-from fd2fem.reconstruction.curves import Head, HeadKind, Round, head_outline, head_rise, round_outline
+from fd2fem.reconstruction.curves import Round, head_rise, round_outline
 
 SHAPES = [
     (HeadKind.ARC, 0.1),
@@ -34,7 +35,7 @@ def test_rises_by_hand():
 
 @pytest.mark.parametrize(("kind", "rise"), SHAPES)
 def test_outline_has_the_true_area_and_keeps_to_the_curve(kind, rise):
-    ring = head_outline(head(kind, rise), 0.0, 1.0, 0.0, 0.002)
+    ring = head_outline(head(kind, rise), 0.0, 1.0, 0.0, 0.002).ring
     u = np.linspace(-1.0, 1.0, 20_001)
     height = head_rise(kind, u, rise=rise, half=0.5)
     polygon = shapely.Polygon(ring)
@@ -49,9 +50,9 @@ def test_outline_has_the_true_area_and_keeps_to_the_curve(kind, rise):
 
 
 def test_semicircle_and_round_window_have_the_textbook_area():
-    ring = head_outline(head(HeadKind.ARC, 0.5), 0.0, 1.0, 0.0, 0.002)
-    assert shapely.Polygon(ring).area == pytest.approx(1.5 + np.pi / 8, abs=1e-5)
-    window = round_outline(Round(3.0, 4.0, 0.6, 0.3, 0.003), 0.002)
+    ring = head_outline(head(HeadKind.ARC, 0.5), 0.0, 1.0, 0.0, 0.002).ring
+    assert shapely.Polygon(ring).area == pytest.approx(1.5 + np.pi / 8, rel=1e-12)
+    window = round_outline(Round(3.0, 4.0, 0.6, 0.3, 0.003), 0.002).ring
     assert shapely.Polygon(window).area == pytest.approx(np.pi * 0.18, rel=1e-12)
     assert shapely.Polygon(window).centroid.coords[0] == pytest.approx((3.0, 4.0))
 

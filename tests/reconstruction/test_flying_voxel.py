@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import shapely
@@ -6,7 +8,7 @@ from hypothesis import strategies as st
 from synthetic import facade_of
 
 from fd2fem.errors import InputError
-from fd2fem.model import CellState, Facade, Opening, OpeningKind, rectangle
+from fd2fem.model import CellState, Facade, Opening, OpeningKind, Storey, rectangle
 from fd2fem.reconstruction.flying_voxel import Case, crossings, fly, revoxelise, voxelise
 
 NOTCHED = np.array([[0, 0], [6, 0], [6, 4], [4, 4], [4, 2], [2, 2], [2, 4], [0, 4]], dtype=float)
@@ -18,6 +20,36 @@ def test_voxels_fill_the_wall_exactly():
     assert voxels.volume == pytest.approx(facade.wall_area * 0.35, rel=1e-12)
     assert (voxels.upper - voxels.lower).max() <= 0.198
     assert (voxels.upper - voxels.lower).prod(axis=1).sum() == pytest.approx(4.95 * 12.16, rel=1e-12)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    st.lists(
+        st.tuples(st.floats(0.2, 5.8), st.floats(0.1, 0.9)), max_size=3, unique_by=lambda s: round(s[0], 3)
+    )
+)
+def test_voxels_have_the_thickness_of_their_storey(levels):
+    # Openings across the levels and below them, in a wall with a notch.
+    storeys = tuple(Storey(z, thickness) for z, thickness in sorted(levels))
+    outline = np.array([[0, 0], [6, 0], [6, 6], [4, 6], [4, 4.5], [0, 4.5]])
+    windows = (rectangle(1.0, 0.7, 1.1, 1.3), rectangle(4.2, 1.0, 1.5, 4.0))
+    openings = tuple(Opening(i, OpeningKind.WINDOW, ring) for i, ring in enumerate(windows, start=1))
+    facade = Facade(outline, 0.5, openings, storeys=storeys)
+    voxels = voxelise(facade, max_size=0.4)
+    # By shapely: the wall's area in each strip times its thickness.
+    wall = shapely.Polygon(outline, windows)
+    bounds, thick = [0.0, *(s.z for s in storeys), 6.0], [0.5, *(s.thickness for s in storeys)]
+    strips = [shapely.box(0, low, 6, high) for low, high in pairwise(bounds)]
+    volume = sum(wall.intersection(strip).area * t for strip, t in zip(strips, thick, strict=True))
+    assert voxels.volume == pytest.approx(volume, rel=1e-6)
+    assert facade.volume == pytest.approx(volume, rel=1e-9)
+    for low, high, t in zip(bounds, bounds[1:], thick, strict=False):
+        inside = (voxels.lower[:, 1] > low - 1e-5) & (voxels.upper[:, 1] < high + 1e-5)
+        assert (voxels.thickness[inside] == t).all()
+    straddling = [
+        (voxels.lower[:, 1] < s.z - 2e-6) & (voxels.upper[:, 1] > s.z + 2e-6) for s in facade.storeys
+    ]
+    assert not np.any(straddling)
 
 
 def test_notch_is_outside_where_the_papers_wording_fails():

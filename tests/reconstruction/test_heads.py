@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 import shapely
 
-from fd2fem.reconstruction.curves import HeadKind, head_outline, head_rise
+from fd2fem.model.heads import HeadKind, head_outline
+from fd2fem.reconstruction.curves import head_rise
 from fd2fem.reconstruction.heads import fit_head
 from fd2fem.reconstruction.sampling import Sampling
 
@@ -55,7 +56,7 @@ def fitted(xz, spacing, *, jambs=(LEFT, RIGHT), hidden=None):
 
 
 def area(head):
-    return shapely.Polygon(head_outline(head, LEFT, RIGHT, BOTTOM, 0.001)).area
+    return shapely.Polygon(head_outline(head, LEFT, RIGHT, BOTTOM, 0.001).ring).area
 
 
 def true_area(kind, rise):

@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -7,8 +8,8 @@ from hypothesis import strategies as st
 from synthetic import cleaned_cloud, facade_of, survey_frame
 
 from fd2fem.drawings import read_facade, write_facade
-from fd2fem.errors import ReconstructionError
-from fd2fem.model import HoleKind, OpeningKind, PointCloud, Side
+from fd2fem.errors import InputError, ReconstructionError
+from fd2fem.model import HoleKind, OpeningKind, PointCloud, Side, Storey
 from fd2fem.reconstruction import ReconstructionOptions, reconstruct
 from fd2fem.scans import resample
 
@@ -238,11 +239,33 @@ def test_gap_at_the_edge_of_the_wall_is_no_opening():
     ],
     ids=["round head", "oculus", "rectangle"],
 )  # fmt: skip
-def test_shapes_of_openings(inside, area, shape):
+def test_shapes_of_openings(tmp_path, inside, area, shape):
     facade = reconstruct(cut(facade_of(6.0, 5.0, []), keep=lambda x, z: ~inside(x, z))).facade
     assert [opening.evidence["shape"] for opening in facade.openings] == [shape]
     # The arches of the issue: area within 1 %.
     assert facade.opening_area == pytest.approx(area, rel=0.01)
+    # The arcs are those of a circle of 0.6 m about where it was cut, and they survive the file.
+    (opening,) = facade.openings
+    assert len(opening.arcs) == {"arc": 2, "circle": 4, "rectangle": 0}[shape]
+    for arc in opening.arcs:
+        assert (arc.x, arc.a, arc.b) == pytest.approx((3.0, 0.6, 0.6), abs=0.02)
+        assert arc.z == pytest.approx(2.6 if shape == "arc" else 2.5, abs=0.02)
+    write_facade(facade, tmp_path / "facade.json")
+    assert read_facade(tmp_path / "facade.json").openings[0].arcs == opening.arcs
+
+
+def test_storeys_are_the_users():
+    storeys = (Storey(3.0, 0.24),)
+    options = ReconstructionOptions(thickness=0.4, storeys=storeys)
+    result = reconstruct(cleaned_cloud(facade_of(6.0, 5.0, []), 0.025), options=options)
+    assert result.facade.storeys == storeys
+    length, height = result.facade.length, result.facade.height
+    volume = length * (3.0 * 0.4 + (height - 3.0) * 0.24)
+    assert result.facade.volume == pytest.approx(volume, rel=1e-9)
+    assert result.voxels.volume == pytest.approx(volume, rel=1e-9)
+    too_high = replace(options, storeys=(Storey(7.0, 0.24),))
+    with pytest.raises(InputError, match="storey from z = 7 m must begin"):
+        reconstruct(cleaned_cloud(facade_of(6.0, 5.0, []), 0.025), options=too_high)
 
 
 def test_plain_wall_gives_no_warning():
