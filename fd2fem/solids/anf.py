@@ -9,7 +9,7 @@ normal points into it.
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TextIO
+from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,9 +30,8 @@ finish
 /nopr
 /aux15
 """
-FOOTER = "finish\n/gopr\n"
-REAL = "%.15e"
-POINT = f"\t{REAL}\t{REAL}\t{REAL}\n"
+FOOTER = b"finish\n/gopr\n"
+ZERO, ONE = (f"{value:.15e}" for value in (0.0, 1.0))
 CHUNK = 5000
 """Records formatted at once: what bounds the memory."""
 
@@ -58,8 +57,8 @@ def write_anf(solid: SolidModel, path: Path, *, order: int = 2) -> None:
         msg = f"Invalid 'order': expected 2 or 4, got {order}."
         raise InputError(msg)
     counts = (len(solid.keypoints), len(solid.lines), len(solid.areas), len(solid.volumes))
-    with path.open("w", encoding="ascii", newline="\n") as file:
-        file.write(HEADER.format(*counts))
+    with path.open("wb") as file:
+        file.write(HEADER.format(*counts).encode("ascii"))
         _write_keypoints(file, solid)
         _write_lines(file, solid, order)
         _write_areas(file, solid, order)
@@ -81,10 +80,11 @@ def line_points(ends: FloatArray, order: int) -> FloatArray:
 
 
 def patch_points(corners: FloatArray, order: int) -> FloatArray:
-    """Control points (n, order², 3) of plane areas with the given corners (n, 4, 3); u runs fastest.
+    """Control points (n, order², 3) of plane quadrilaterals with corners (n, 4, 3); u runs fastest.
 
     The corners go round the area; u runs from the first to the second, v from the first to the
-    fourth, so that dS/du x dS/dv is the normal about which they are right-handed.
+    fourth, so that dS/du x dS/dv is the normal about which they are right-handed. The surface is the
+    bilinear one, which order 4 gives as exactly as order 2.
 
     Examples
     --------
@@ -98,16 +98,36 @@ def patch_points(corners: FloatArray, order: int) -> FloatArray:
     return rows.reshape(len(corners), order, order, 3).swapaxes(1, 2).reshape(len(corners), -1, 3)
 
 
+def _point_lines(nets: FloatArray) -> list[bytes]:
+    r"""Lines of three reals for each net of points (n, k, 3).
+
+    A facade's coordinates repeat, so each is formatted once; blanks make all as long as the longest, so that
+    the lines can be laid out as one array of characters.
+
+    Examples
+    --------
+    >>> _point_lines(np.array([[[0.0, -1.0, 0.5]]]))
+    [b'\t 0.000000000000000e+00\t-1.000000000000000e+00\t 5.000000000000000e-01\n']
+    """
+    values, place = np.unique(nets, return_inverse=True)
+    words = [f"{value:.15e}" for value in values.tolist()]
+    width = max(map(len, words))
+    table = np.array(["\t" + word.rjust(width) for word in words], dtype="S")
+    n, k, _ = nets.shape
+    text = np.full((n, k, 3 * (width + 1) + 1), ord("\n"), dtype=np.uint8)
+    text[:, :, :-1] = table[place.ravel()].view(np.uint8).reshape(n, k, -1)
+    return [row.tobytes() for row in text.reshape(n, -1)]
+
+
 def _knots(order: int) -> str:
     """Clamped knots 0 and 1, each as often as the order says, one a line."""
-    return "".join(f"\t{REAL}\n" % knot for knot in (0.0, 1.0) for _ in range(order))
+    return f"\t{ZERO}\n" * order + f"\t{ONE}\n" * order
 
 
-def _in_tens(ids: tuple[int, ...]) -> str:
+def _in_tens(ids: tuple[int, ...]) -> bytes:
     """Lines of at most ten integers."""
-    return "".join(
-        "\t" + "\t".join(map(str, ids[start : start + 10])) + "\n" for start in range(0, len(ids), 10)
-    )
+    lines = (ids[start : start + 10] for start in range(0, len(ids), 10))
+    return "".join("\t" + "\t".join(map(str, line)) + "\n" for line in lines).encode("ascii")
 
 
 def _chunks(count: int) -> Iterator[slice]:
@@ -115,43 +135,41 @@ def _chunks(count: int) -> Iterator[slice]:
     return (slice(start, min(start + CHUNK, count)) for start in range(0, count, CHUNK))
 
 
-def _write_keypoints(file: TextIO, solid: SolidModel) -> None:
-    record = f"kpt,%d,{REAL},{REAL},{REAL}\nNULL_ID\n"
+def _write_keypoints(file: BinaryIO, solid: SolidModel) -> None:
+    record = "kpt,%d,%.15e,%.15e,%.15e\nNULL_ID\n"
     for number, xyz in enumerate(solid.keypoints.tolist(), start=1):
-        file.write(record % (number, *xyz))
+        file.write((record % (number, *xyz)).encode("ascii"))
 
 
-def _write_lines(file: TextIO, solid: SolidModel, order: int) -> None:
+def _write_lines(file: BinaryIO, solid: SolidModel, order: int) -> None:
     form = "\t1\t2\t0\t4\t2\n" if order == 2 else "\t0\t4\t0\t8\t4\n"
-    head = f"lcurv,%d,1,%d,%d,{REAL % 0.0},{REAL % 1.0}\nL%d\n{form}{_knots(order)}"
-    points = POINT * order
+    head = f"lcurv,%d,1,%d,%d,{ZERO},{ONE}\nL%d\n{form}{_knots(order)}".encode("ascii")
     for part in _chunks(len(solid.lines)):
         ends = solid.lines[part]
-        reals = line_points(solid.keypoints[ends], order).reshape(len(ends), -1).tolist()
+        points = _point_lines(line_points(solid.keypoints[ends], order))
         numbers = range(part.start + 1, part.stop + 1)
         file.writelines(
-            head % (number, start, end, number) + points % tuple(values)
-            for number, (start, end), values in zip(numbers, (ends + 1).tolist(), reals, strict=True)
+            head % (number, start, end, number) + text
+            for number, (start, end), text in zip(numbers, (ends + 1).tolist(), points, strict=True)
         )
 
 
-def _write_areas(file: TextIO, solid: SolidModel, order: int) -> None:
-    span = f"{REAL % 0.0},{REAL % 1.0}"
+def _write_areas(file: BinaryIO, solid: SolidModel, order: int) -> None:
+    head = f"asurf,%d,1,1,%d,{ZERO},{ONE},{ZERO},{ONE}\nA%d\n\t0\t%d\n".encode("ascii")
     form = "\t0\t2\t2\t0\t4\t4\t2\t2\n" if order == 2 else "\t0\t4\t4\t1\t8\t8\t4\t4\n"
-    points = form + _knots(order) * 2 + POINT * order**2
-    if order == 4:  # ANSYS writes areas of order 4 as rational, with unit weights
-        points += f"\t{REAL % 1.0}\n" * order**2
+    knots = (form + _knots(order) * 2).encode("ascii")
+    # ANSYS writes areas of order 4 as rational, with unit weights.
+    weights = (f"\t{ONE}\n" * order**2).encode("ascii") if order == 4 else b""
     for part in _chunks(len(solid.areas)):
-        corners = solid.keypoints[solid.patches[part]]
-        reals = patch_points(corners, order).reshape(len(corners), -1).tolist()
+        points = _point_lines(patch_points(solid.keypoints[solid.patches[part]], order))
         numbers = range(part.start + 1, part.stop + 1)
         file.writelines(
-            f"asurf,{number},1,1,{len(loop)},{span},{span}\nA{number}\n\t0\t{len(loop)}\n{_in_tens(loop)}"
-            + points % tuple(values)
-            for number, loop, values in zip(numbers, solid.areas[part], reals, strict=True)
+            head % (number, len(loop), number, len(loop)) + _in_tens(loop) + knots + text + weights
+            for number, loop, text in zip(numbers, solid.areas[part], points, strict=True)
         )
 
 
-def _write_volumes(file: TextIO, solid: SolidModel) -> None:
+def _write_volumes(file: BinaryIO, solid: SolidModel) -> None:
     for number, areas in enumerate(solid.volumes, start=1):
-        file.write(f"vbody,{number},1,{len(areas)}\nNULL_ID\n\t0\t{len(areas)}\n{_in_tens(areas)}")
+        head = b"vbody,%d,1,%d\nNULL_ID\n\t0\t%d\n" % (number, len(areas), len(areas))
+        file.write(head + _in_tens(areas))

@@ -1,9 +1,10 @@
-"""Full voxels to a conformal boundary representation (Appendix A of the paper).
+"""Voxels and other cells to a conformal boundary representation (Appendix A of the paper).
 
-Seen from outside, the wall is a division of the plane into rectangles: their corners, the pieces of
-their edges between corners (here "sides"), and the rectangles themselves. Each corner becomes two
-keypoints and a line through the wall, each side a line on the front, one on the back and the area
-between them, each rectangle an area on the front, one on the back and the volume between them.
+Seen from outside, the wall is a division of the plane into cells with corners and sides. It is drawn out
+into the wall through levels: y = 0, the flush front, and every thickness that occurs. Between two levels
+lies a slab, and a cell has slabs up to its own thickness. A corner becomes a keypoint on each level and a
+line through each slab, a side a line on each level and an area through each slab, a cell an area on each
+level and a volume in each slab; what neighbours have in common is there once.
 """
 
 from dataclasses import dataclass
@@ -11,39 +12,45 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fd2fem.model import SolidModel, VoxelModel
-from fd2fem.solids.grid import VoxelGrid, full_voxels
+from fd2fem.model import SolidModel, VoxelModel, WallCells
+from fd2fem.solids.cells import divide_cells
+from fd2fem.solids.division import Division, divide_voxels
+from fd2fem.solids.grid import merged
+from fd2fem.solids.joints import check_joined
 
-__all__ = ["solid_from_voxels"]
+__all__ = ["solid_from_cells", "solid_from_voxels"]
 
+FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 Ids = tuple[int, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class _Plan:
-    """The division of the plane.
+class _Layers:
+    """Numbers of a solid's parts, from 0: a row per level or slab, a column per corner, side or cell.
 
-    `corners` (c, 2): column and row. `sides` (s, 2): the corners of each side, rightward or upward.
-    `corner_of` (v, 4): corners of each voxel, counter-clockwise from the lower left one.
-    `rings`: sides of all voxels one after the other, from 0, counter-clockwise; `sense` is -1 where
-    a ring runs against the side; voxel i owns `rings[start[i]:start[i + 1]]`.
+    -1 stands where the wall does not reach. `y` (l,), m, are the levels; `slabs` (c,) is how many slabs each
+    cell has; `first` (slabs, s) where in the division's rings each side's area is used first: its loop suits
+    that cell.
     """
 
-    corners: IntArray
-    sides: IntArray
-    corner_of: IntArray
-    rings: IntArray
-    sense: IntArray
-    start: IntArray
+    y: FloatArray
+    slabs: IntArray
+    keypoints: IntArray
+    side_lines: IntArray
+    through_lines: IntArray
+    cell_areas: IntArray
+    side_areas: IntArray
+    first: IntArray
 
 
 def solid_from_voxels(voxels: VoxelModel) -> SolidModel:
-    """Boundary representation with one volume for each full voxel.
+    """Boundary representation with one volume for each full voxel, and for each slab of it.
 
     Neighbours share their keypoints, lines and areas. Where they differ in size, the larger one's
     edges are cut at every keypoint on them, so that its front and back are loops of more than four
-    lines. Coordinates within 1e-7 m of each other are one, and voxels narrower than that vanish.
+    lines. Where they differ in thickness, the thicker one is cut at the other's back. Coordinates within
+    1e-7 m of each other are one, and voxels narrower than that vanish.
 
     Parameters
     ----------
@@ -53,12 +60,13 @@ def solid_from_voxels(voxels: VoxelModel) -> SolidModel:
     Returns
     -------
     solid : SolidModel
-        Keypoints: first those of the front, then those of the back. Areas: fronts, backs, sides.
+        Keypoints by level, the front first. Areas: fronts, the following levels, then sides by slab. Volumes
+        by slab, each in the order of the full voxels.
 
     Raises
     ------
     InputError
-        If no voxel is full, one is inverted, or two overlap.
+        If no voxel is full, one is inverted or has no thickness, or two overlap.
 
     References
     ----------
@@ -71,106 +79,174 @@ def solid_from_voxels(voxels: VoxelModel) -> SolidModel:
     >>> solid = solid_from_voxels(two)
     >>> len(solid.keypoints), len(solid.lines), len(solid.areas), len(solid.volumes)
     (12, 20, 11, 2)
+
+    One half thinner than the other:
+
+    >>> stepped = solid_from_voxels(VoxelModel([[0, 0], [2, 0]], [[2, 3], [4, 3]], [1, 1], [0.5, 0.3]))
+    >>> stepped.keypoints[:, 1].tolist().count(0.5), len(stepped.volumes)
+    (4, 3)
     """
-    grid = full_voxels(voxels)
-    plan = _divide(grid)
-    x, z = grid.x[plan.corners[:, 0]], grid.z[plan.corners[:, 1]]
-    front = np.column_stack([x, np.zeros_like(x), z])
-    n, s = len(front), len(plan.sides)
-    through = np.column_stack([np.arange(n), np.arange(n) + n])
-    areas, patches, first = _areas(plan, n, s)
+    return _drawn_out(divide_voxels(voxels))
+
+
+def solid_from_cells(cells: WallCells) -> SolidModel:
+    """Boundary representation with one volume for each quadrilateral cell, and for each slab of it.
+
+    Parameters
+    ----------
+    cells : WallCells
+
+    Returns
+    -------
+    solid : SolidModel
+        Ordered like that of :func:`solid_from_voxels`.
+
+    Raises
+    ------
+    InputError
+        If there is no cell, one is not convex or not counter-clockwise, two overlap or meet along a part of
+        an edge only, or the wall falls into pieces or hangs together by an edge.
+
+    Examples
+    --------
+    >>> trapezoid = WallCells([[0, 0], [4, 0], [3, 2], [1, 2]], [[0, 1, 2, 3]], 0.5)
+    >>> solid = solid_from_cells(trapezoid)
+    >>> len(solid.keypoints), len(solid.lines), len(solid.areas), len(solid.volumes)
+    (8, 12, 6, 1)
+    """
+    solid = _drawn_out(divide_cells(cells))
+    check_joined(solid)
+    return solid
+
+
+def _drawn_out(plan: Division) -> SolidModel:
+    """The solid of a division, volume by volume."""
+    layers = _layers(plan)
+    levels = [_present(layers.keypoints[level]) for level in range(len(layers.y))]
+    keypoints = [
+        np.column_stack([plan.points[corner, 0], np.full(len(corner), y), plan.points[corner, 1]])
+        for corner, y in zip(levels, layers.y, strict=True)
+    ]
+    areas, patches = _areas(plan, layers)
     return SolidModel(
-        keypoints=np.concatenate([front, front + np.array([0.0, grid.thickness, 0.0])]),
-        lines=np.concatenate([plan.sides, plan.sides + n, through]),
+        keypoints=np.concatenate(keypoints),
+        lines=_lines(plan, layers),
         areas=areas,
         patches=patches,
-        volumes=_volumes(plan, first),
+        volumes=_volumes(plan, layers),
     )
 
 
-def _divide(grid: VoxelGrid) -> _Plan:
-    """Cut the edges of the voxels at every corner on them."""
-    (i0, j0), (i1, j1) = grid.lower.T, grid.upper.T
-    columns, rows = len(grid.x), len(grid.z)
-    # Corners sorted by row, so that those on a horizontal edge follow each other; likewise by column.
-    by_row = np.unique(
-        np.concatenate([j0 * columns + i0, j0 * columns + i1, j1 * columns + i0, j1 * columns + i1])
+def _layers(plan: Division) -> _Layers:
+    """Number what there is, level by level and slab by slab."""
+    depths, last = merged(plan.thickness)
+    count, slabs = len(depths), last + 1
+    side_slabs = np.zeros(len(plan.sides), dtype=np.intp)
+    np.maximum.at(side_slabs, plan.rings, slabs[plan.cell_of])
+    corner_slabs = np.zeros(len(plan.points), dtype=np.intp)
+    np.maximum.at(corner_slabs, plan.sides.ravel(), np.repeat(side_slabs, 2))
+    side_lines = _numbers(side_slabs + 1, count + 1)
+    cell_areas = _numbers(slabs + 1, count + 1)
+    return _Layers(
+        y=np.concatenate([[0.0], depths]),
+        slabs=slabs,
+        keypoints=_numbers(corner_slabs + 1, count + 1),
+        side_lines=side_lines,
+        through_lines=_numbers(corner_slabs, count, after=side_lines),
+        cell_areas=cell_areas,
+        side_areas=_numbers(side_slabs, count, after=cell_areas),
+        first=np.stack([_first_users(plan, slabs > slab) for slab in range(count)]),
     )
-    corners = np.column_stack([by_row % columns, by_row // columns])
-    keys = corners[:, 0] * rows + corners[:, 1]
-    order = np.argsort(keys)
-    by_column = keys[order]
-
-    def at_row(i: IntArray, j: IntArray) -> IntArray:
-        return np.searchsorted(by_row, j * columns + i)
-
-    def at_column(i: IntArray, j: IntArray) -> IntArray:
-        return np.searchsorted(by_column, i * rows + j)
-
-    # Each edge as the range of places in one of the two orders, counter-clockwise around the voxel.
-    n = len(corners)
-    begin = np.column_stack(
-        [at_row(i0, j0), n + at_column(i1, j0), at_row(i1, j1) - 1, n + at_column(i0, j1) - 1]
-    )
-    end = np.column_stack(
-        [at_row(i1, j0), n + at_column(i1, j1), at_row(i0, j1) - 1, n + at_column(i0, j0) - 1]
-    )
-    places, sense, start = _ranges(begin, end)
-    used, rings = np.unique(places, return_inverse=True)
-    flat = used[used < n]
-    upright = used[used >= n] - n
-    sides = np.concatenate(
-        [np.column_stack([flat, flat + 1]), np.column_stack([order[upright], order[upright + 1]])]
-    )
-    corner_of = np.column_stack([at_row(i0, j0), at_row(i1, j0), at_row(i1, j1), at_row(i0, j1)])
-    return _Plan(corners, sides, corner_of, rings.astype(np.intp), sense, start)
 
 
-def _ranges(begin: IntArray, end: IntArray) -> tuple[IntArray, IntArray, IntArray]:
-    """Write out ranges (v, 4), the last two of each voxel falling: values, +1 or -1, voxel's start."""
-    lengths = np.abs(end - begin).ravel()
-    sense = np.repeat(np.tile([1, 1, -1, -1], len(begin)), lengths)
-    first = np.repeat(np.cumsum(lengths) - lengths, lengths)
-    values = np.repeat(begin.ravel(), lengths) + sense * (np.arange(len(sense)) - first)
-    start = np.concatenate([[0], np.cumsum(lengths.reshape(-1, 4).sum(axis=1))])
-    return values, sense, start
+def _numbers(heights: IntArray, rows: int, *, after: IntArray | None = None) -> IntArray:
+    """Number the first `heights[k]` entries of each column k of a table, row by row; -1 elsewhere."""
+    present = np.arange(rows)[:, None] < heights
+    begin = 0 if after is None else int(after.max()) + 1
+    running = np.cumsum(present.ravel()).reshape(present.shape) - 1 + begin
+    return np.where(present, running, -1)
 
 
-def _first_users(plan: _Plan) -> IntArray:
-    """Place in `plan.rings` where each side is used first; its area's loop suits that voxel."""
-    return np.unique(plan.rings, return_index=True)[1].astype(np.intp)
+def _present(row: IntArray) -> IntArray:
+    """Columns that have a number in a row."""
+    return np.flatnonzero(row >= 0)
 
 
-def _areas(plan: _Plan, n: int, s: int) -> tuple[tuple[Ids, ...], IntArray, IntArray]:
-    """Loops and patches of all areas; and for each side's area, where in the rings it is used first.
+def _first_users(plan: Division, reaches: NDArray[np.bool_]) -> IntArray:
+    """Place in the rings where each side is used first by a cell that reaches a slab; -1 where none does."""
+    places = np.flatnonzero(reaches[plan.cell_of])
+    used, first = np.unique(plan.rings[places], return_index=True)
+    found = np.full(len(plan.sides), -1, dtype=np.intp)
+    found[used] = places[first]
+    return found
 
-    Lines count from 1: side k is k + 1 on the front and s + k + 1 on the back, corner c is
-    2 s + c + 1 through the wall.
-    """
-    first = _first_users(plan)
-    front = plan.sense * (plan.rings + 1)
-    back = -plan.sense * (plan.rings + s + 1)
-    bounds = list(zip(plan.start[:-1].tolist(), plan.start[1:].tolist(), strict=True))
-    flat, reverse = front.tolist(), back.tolist()
-    fronts = [tuple(flat[a:b]) for a, b in bounds]
-    backs = [tuple(reverse[a:b][::-1]) for a, b in bounds]
 
-    sense = plan.sense[first]
+def _lines(plan: Division, layers: _Layers) -> IntArray:
+    """Ends of all lines: along the sides level by level, then through the slabs."""
+    along = [
+        keypoints[plan.sides[_present(row)]]
+        for row, keypoints in zip(layers.side_lines, layers.keypoints, strict=True)
+    ]
+    through = [
+        np.column_stack([layers.keypoints[slab], layers.keypoints[slab + 1]])[_present(row)]
+        for slab, row in enumerate(layers.through_lines)
+    ]
+    return np.concatenate([*along, *through])
+
+
+def _areas(plan: Division, layers: _Layers) -> tuple[tuple[Ids, ...], IntArray]:
+    """Loops and patches of all areas: of the cells level by level, then of the sides slab by slab."""
+    loops: list[Ids] = []
+    patches: list[IntArray] = []
+    for level, row in enumerate(layers.cell_areas):
+        cells = _present(row)
+        signed = plan.sense * (layers.side_lines[level][plan.rings] + 1)
+        # The front looks towards -y; the other levels are backs of the slab before them.
+        loops += _slices(signed, plan.start, cells) if level == 0 else _reversed(signed, plan.start, cells)
+        corners = plan.corner_of[cells] if level == 0 else plan.corner_of[cells][:, [0, 3, 2, 1]]
+        patches.append(layers.keypoints[level][corners])
+    for slab in range(len(layers.side_areas)):
+        side_loops, side_patches = _side_areas(plan, layers, slab)
+        loops += map(tuple, side_loops.tolist())
+        patches.append(side_patches)
+    return tuple(loops), np.concatenate(patches)
+
+
+def _side_areas(plan: Division, layers: _Layers, slab: int) -> tuple[IntArray, IntArray]:
+    """Loops (n, 4) and patches (n, 4) of the sides' areas in a slab."""
+    sides = _present(layers.side_areas[slab])
+    sense = plan.sense[layers.first[slab][sides]]
     # The front area runs p -> q along the side, so the side's own area runs q -> p there.
-    p = np.where(sense > 0, plan.sides[:, 0], plan.sides[:, 1])
-    q = np.where(sense > 0, plan.sides[:, 1], plan.sides[:, 0])
-    side = np.arange(s) + 1
-    loops = np.column_stack([-sense * side, 2 * s + p + 1, sense * (s + side), -(2 * s + q + 1)])
-    patches = np.concatenate(
-        [plan.corner_of, plan.corner_of[:, [0, 3, 2, 1]] + n, np.column_stack([q, p, p + n, q + n])]
-    )
-    return (*fronts, *backs, *map(tuple, loops.tolist())), patches, first
+    p = np.where(sense > 0, plan.sides[sides, 0], plan.sides[sides, 1])
+    q = np.where(sense > 0, plan.sides[sides, 1], plan.sides[sides, 0])
+    near, far = layers.side_lines[slab][sides] + 1, layers.side_lines[slab + 1][sides] + 1
+    through = layers.through_lines[slab] + 1
+    loops = np.column_stack([-sense * near, through[p], sense * far, -through[q]])
+    front, back = layers.keypoints[slab], layers.keypoints[slab + 1]
+    return loops, np.column_stack([front[q], front[p], back[p], back[q]])
 
 
-def _volumes(plan: _Plan, first: IntArray) -> tuple[Ids, ...]:
-    """Signed areas of each voxel: front, back, then its sides, negative where it is the second user."""
-    v = len(plan.start) - 1
-    owned = first[plan.rings] == np.arange(len(plan.rings))
-    sides = (np.where(owned, 1, -1) * (2 * v + plan.rings + 1)).tolist()
-    bounds = zip(plan.start[:-1].tolist(), plan.start[1:].tolist(), strict=True)
-    return tuple((k + 1, v + k + 1, *sides[a:b]) for k, (a, b) in enumerate(bounds))
+def _volumes(plan: Division, layers: _Layers) -> tuple[Ids, ...]:
+    """Signed areas of each volume: near, far, then the sides; negative where it is the second user."""
+    volumes: list[Ids] = []
+    for slab, first in enumerate(layers.first):
+        cells = np.flatnonzero(layers.slabs > slab)
+        owned = first[plan.rings] == np.arange(len(plan.rings))
+        sides = np.where(owned, 1, -1) * (layers.side_areas[slab][plan.rings] + 1)
+        near = (1 if slab == 0 else -1) * (layers.cell_areas[slab][cells] + 1)
+        far = layers.cell_areas[slab + 1][cells] + 1
+        shells = zip(near.tolist(), far.tolist(), _slices(sides, plan.start, cells), strict=True)
+        volumes += [(a, b, *rest) for a, b, rest in shells]
+    return tuple(volumes)
+
+
+def _slices(values: IntArray, start: IntArray, cells: IntArray) -> list[Ids]:
+    """The values that belong to each of some cells."""
+    listed = values.tolist()
+    bounds = zip(start[cells].tolist(), start[cells + 1].tolist(), strict=True)
+    return [tuple(listed[a:b]) for a, b in bounds]
+
+
+def _reversed(values: IntArray, start: IntArray, cells: IntArray) -> list[Ids]:
+    """The values that belong to each of some cells, the other way round."""
+    return [part[::-1] for part in _slices(-values, start, cells)]

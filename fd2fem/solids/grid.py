@@ -7,9 +7,8 @@ from numpy.typing import NDArray
 
 from fd2fem.errors import InputError
 from fd2fem.model import CellState, VoxelModel
-from fd2fem.model.checks import check_positive
 
-__all__ = ["MERGE", "VoxelGrid", "full_voxels"]
+__all__ = ["MERGE", "VoxelGrid", "full_voxels", "merged"]
 
 MERGE = 1e-7
 """Coordinates that follow each other within this distance, m, are one: OpenCASCADE's own tolerance."""
@@ -28,14 +27,15 @@ class VoxelGrid:
         The distinct coordinates, ascending.
     lower, upper : (v, 2) int arrays
         Column and row, in `x` and `z`, of each full voxel's corners.
-    thickness : float, m
+    thickness : (v,) float array, m
+        Of each full voxel.
     """
 
     x: FloatArray
     z: FloatArray
     lower: IntArray
     upper: IntArray
-    thickness: float
+    thickness: FloatArray
 
 
 def full_voxels(voxels: VoxelModel) -> VoxelGrid:
@@ -56,8 +56,8 @@ def full_voxels(voxels: VoxelModel) -> VoxelGrid:
     """
     full = voxels.state == CellState.FULL
     lower, upper = voxels.lower[full], voxels.upper[full]
-    x, columns = _merge(np.concatenate([lower[:, 0], upper[:, 0]]))
-    z, rows = _merge(np.concatenate([lower[:, 1], upper[:, 1]]))
+    x, columns = merged(np.concatenate([lower[:, 0], upper[:, 0]]))
+    z, rows = merged(np.concatenate([lower[:, 1], upper[:, 1]]))
     low, high = np.split(np.column_stack([columns, rows]), 2)
     inverted = np.flatnonzero((high < low).any(axis=1))
     if len(inverted):
@@ -73,11 +73,30 @@ def full_voxels(voxels: VoxelModel) -> VoxelGrid:
         raise InputError(msg)
     low, high, lower = low[thick], high[thick], lower[thick]
     _check_apart(low, high, lower)
-    return VoxelGrid(x, z, low, high, check_positive("thickness", voxels.thickness))
+    return VoxelGrid(x, z, low, high, _thicknesses(voxels.thickness[full][thick], lower))
 
 
-def _merge(values: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Distinct values, ascending, and the index of each given value among them."""
+def _thicknesses(thickness: FloatArray, corner: FloatArray) -> FloatArray:
+    """Raise unless all are positive; `corner` (v, 2), m, is for the message."""
+    flat = np.flatnonzero(thickness <= MERGE)
+    if len(flat):
+        x, z = corner[flat[0]]
+        msg = (
+            f"{len(flat)} full voxels have no thickness, the first, at x = {x:.6f}, z = {z:.6f}, is "
+            f"{thickness[flat[0]]:g} m thick: give the wall a positive thickness."
+        )
+        raise InputError(msg)
+    return thickness
+
+
+def merged(values: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Distinct values, ascending, and the index of each given value among them; nearly equal ones are one.
+
+    Examples
+    --------
+    >>> [part.tolist() for part in merged(np.array([2.0, 1.0, 2.0 + 1e-9]))]
+    [[1.0, 2.0], [1, 0, 1]]
+    """
     distinct, inverse = np.unique(values, return_inverse=True)
     # A gap starts a new value; rounding to a grid would part neighbours on either side of a half.
     new = np.diff(distinct, prepend=-np.inf) > MERGE

@@ -1,5 +1,7 @@
 """Loops of a solid: their keypoints, and the areas and volumes that they bound."""
 
+from itertools import chain
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,8 +21,8 @@ def flat(groups: tuple[tuple[int, ...], ...]) -> tuple[IntArray, IntArray]:
     >>> [part.tolist() for part in flat(((7, -8), (9,)))]
     [[7, -8, 9], [0, 0, 1]]
     """
-    sizes = [len(group) for group in groups]
-    values = np.fromiter((i for group in groups for i in group), dtype=np.intp, count=sum(sizes))
+    sizes = list(map(len, groups))
+    values = np.fromiter(chain.from_iterable(groups), dtype=np.intp, count=sum(sizes))
     return values, np.repeat(np.arange(len(groups)), sizes)
 
 

@@ -5,22 +5,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from anf_rules import check_anf, records
 from scipy.interpolate import BSpline
 
 from fd2fem.errors import InputError
-from fd2fem.solids import read_anf, solid_from_voxels, write_anf
+from fd2fem.model import WallCells
+from fd2fem.solids import (
+    anf_source,
+    read_anf,
+    solid_from_cells,
+    solid_from_voxels,
+    solid_volumes,
+    write_anf,
+)
 
 HERE = Path(__file__).parent
 TEE = [(0, 0, 2, 2), (2, 0, 3, 1), (2, 1, 3, 2)]
-
-
-def records(text):
-    """Command, fields and numbers of each record, split by a regular expression."""
-    body = text.split("/aux15\n")[1].split("finish")[0]
-    for part in re.split(r"^(?=kpt|lcurv|asurf|vbody)", body, flags=re.MULTILINE)[1:]:
-        head, _, *data = part.splitlines()
-        command, *fields = head.split(",")
-        yield command, [float(f) for f in fields], [float(w) for line in data for w in line.split()]
 
 
 def parse(text):
@@ -208,10 +208,10 @@ BOX_TEXT = (HERE / "one_box.anf").read_text()
     ("old", "new", "match"),
     [
         ("vbody,1,1,6", "/com", "no VBODY record"),
-        ("  1 2 3 4 5 6\n", "  1 2 3 4 5\n", "volume 1 needs integers here"),
+        ("  1 2 3 4 5 6\n", "  1 2 3 4 5\n", "volume 1 has fewer numbers than it announces"),
         ("  1 2 3 4 5 6\n", "  1 2 3 4 5 7\n", "volume refers to area 7, which the file does not define"),
         ("kpt,8,0.", "kpt,9,0.", "line refers to keypoint 8"),
-        ("kpt,8,0.", "kpt,7,0.", "line 24: number 7 is defined twice"),
+        ("kpt,8,0.", "kpt,7,0.", "line 23: number 7 is defined twice"),
         ("kpt,8,0.,", "kpt,8,", "line 23: kpt has 3 fields, expected 4"),
         ("kpt,8,0.", "kpt,8,zero", "keypoint 8 needs numbers here"),
         ("kpt,8,0.", "kpt,8,nan", "keypoints"),
@@ -230,9 +230,12 @@ BOX_TEXT = (HERE / "one_box.anf").read_text()
             "area at place 3 has a loop that does not run",
         ),
         ("A3\n  0 4\n  9 8 -10 -1", "A3\n  0 4\n  4 12 -5 -9", "area at place 3 has a surface corner"),
-        ("A3\n  0 4\n", "A3\n  0 5\n", "area 3 has more numbers than it announces"),
+        ("A3\n  0 4\n", "A3\n  0 5\n", "area 3 needs integers here"),
+        ("finish\n/gopr\n", "7\nfinish\n/gopr\n", "volume 1 has more numbers than it announces"),
+        ("  0 6\n  1 2 3 4 5 6\n", "  0 6.0\n  1 2 3 4 5 6\n", "volume 1 needs integers here"),
+        ("  0 6\n  1 2 3 4 5 6\n", "  0 -6\n  1 2 3 4 5 6\n", "volume 1 has a negative count"),
         ("vbody,1,1,6", "vbody,1,2,6", "volume 1 has 2 shells"),
-        ("  0 6\n  1 2 3 4 5 6\nfinish\n/gopr\n", "  0 6\n", "the file ends inside volume 1"),
+        ("  0 6\n  1 2 3 4 5 6\nfinish\n/gopr\n", "  0 6\n", "volume 1 has fewer numbers than it announces"),
         ("vbody,1,1,6\nNULL_ID\n  0 6\n  1 2 3 4 5 6\nfinish\n/gopr\n", "vbody,1,1,6", "ends inside vbody"),
     ],
 )
@@ -269,3 +272,73 @@ def test_files_that_are_none(tmp_path):
     (tmp_path / "x.anf").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match="not plain text"):
         read_anf(tmp_path / "x.anf")
+
+
+def test_file_is_sound(written):
+    solid, text = written
+    sound = check_anf(text)
+    assert (sound.keypoints, sound.lines, sound.areas) == (
+        len(solid.keypoints),
+        len(solid.lines),
+        len(solid.areas),
+    )
+    assert sum(sound.volumes) == pytest.approx(0.35 * (12 - 1.2 * 1.3), rel=1e-12)
+    rim = 0.35 * (14 + 2 * (1.2 + 1.3))
+    assert sound.outer_surface == pytest.approx(2 * (12 - 1.2 * 1.3) + rim, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "replacement", "match"),
+    [
+        (r"^(vbody,2,.*\n.*\n.*\n\t)1?", r"\g<1>-", "walked twice|open"),
+        (r"^(asurf,1,.*\n.*\n\t0\t\d\n\t)(\S+)\t(\S+)", r"\1\3\t\2", "a loop is open"),
+        (r"^(kpt,3,)(\S+?),", r"\g<1>9.0,", "a curve leaves"),
+        (r"^kpt,2,(.*)$", "kpt,2,0.0,0.0,0.0", "a curve leaves"),
+    ],
+)
+def test_rules_notice_what_is_wrong(written, pattern, replacement, match):
+    broken = re.sub(pattern, replacement, written[1], count=1, flags=re.MULTILINE)
+    assert broken != written[1]
+    with pytest.raises(AssertionError, match=match):
+        check_anf(broken)
+
+
+@pytest.mark.parametrize("block", [1, 7, 64, 1000])
+def test_blocks_may_end_anywhere(written, tmp_path, monkeypatch, block):
+    solid, _ = written
+    monkeypatch.setattr(anf_source, "BLOCK", block)
+    text = (tmp_path / "wall.anf").read_text()
+    assert read_anf(tmp_path / "wall.anf").areas == solid.areas
+    (tmp_path / "wall.anf").write_text(text.replace("vbody,3,1,", "vbody,2,1,"))
+    number = text[: text.index("vbody,3,1,")].count("\n") + 1
+    with pytest.raises(InputError, match=rf"wall.anf, line {number}: number 2 is defined twice"):
+        read_anf(tmp_path / "wall.anf")
+
+
+def test_other_commands_and_capitals_are_passed_over(tmp_path):
+    text = BOX_TEXT.replace(
+        "asurf,1,", "*if,_z1,gt,0,then\n  *msg,error\n 12 files are open\n*endif\n ASURF ,1,"
+    )
+    (tmp_path / "box.anf").write_text("kpt\n" + text.replace("lcurv", "LCURV"))
+    plain, other = read_anf(HERE / "one_box.anf"), read_anf(tmp_path / "box.anf")
+    assert other.areas == plain.areas
+    assert other.keypoints.tolist() == plain.keypoints.tolist()
+
+
+def test_plane_quadrilaterals_of_any_shape_are_read(tmp_path):
+    cells = WallCells([[0, 0], [4, 0], [3, 2], [1, 2]], [[0, 1, 2, 3]], 0.5)
+    solid = solid_from_cells(cells)
+    for order in (2, 4):
+        write_anf(solid, tmp_path / "trapezoid.anf", order=order)
+        back = read_anf(tmp_path / "trapezoid.anf")
+        assert back.patches.tolist() == solid.patches.tolist()
+        assert solid_volumes(back).sum() == pytest.approx(cells.volume, rel=1e-14)
+
+
+@pytest.mark.parametrize("moved", ["2. 0. .1", ".5 2. 0."])
+def test_twisted_and_dented_areas_are_refused(tmp_path, moved):
+    """A corner off the plane of the other three, and one inside their triangle."""
+    text = BOX_TEXT.replace("kpt,2,2.,0.,0.", "kpt,2," + ",".join(moved.split()))
+    (tmp_path / "box.anf").write_text(text.replace("  2. 0. 0.\n", f"  {moved}\n"))
+    with pytest.raises(InputError, match="not a plane and convex quadrilateral"):
+        read_anf(tmp_path / "box.anf")

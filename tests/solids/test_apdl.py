@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from fd2fem.solids import solid_from_voxels, write_apdl
+from fd2fem.model import VoxelModel, WallCells
+from fd2fem.solids import solid_from_cells, solid_from_voxels, write_apdl
 
 
 class Deck:
@@ -83,3 +84,16 @@ def test_walls_with_windows(tmp_path, make_wall):
     deck = Deck((tmp_path / "deck.inp").read_text())
     assert deck.areas == [{abs(i) for i in loop} for loop in solid.areas]
     assert len(deck.volumes) == len(solid.volumes)
+
+
+def test_walls_of_varying_thickness_and_of_quadrilaterals(tmp_path):
+    """Slabs share the areas between them; quadrilaterals are areas like any other."""
+    voxels = VoxelModel([[0, 0], [2, 0], [2, 1]], [[2, 2], [3, 1], [3, 2]], [1, 1, 1], [0.5, 0.3, 0.2])
+    corners = [[0, 0], [4, 0], [3, 2], [1, 2], [6, 0], [5, 2]]
+    cells = WallCells(corners, [[0, 1, 2, 3], [1, 4, 5, 2]], [0.5, 0.4])
+    for solid in (solid_from_voxels(voxels), solid_from_cells(cells)):
+        write_apdl(solid, tmp_path / "deck.inp")
+        deck = Deck((tmp_path / "deck.inp").read_text())
+        assert np.array(deck.points) == pytest.approx(solid.keypoints, abs=1e-15)
+        assert deck.areas == [{abs(i) for i in loop} for loop in solid.areas]
+        assert deck.volumes == [{abs(i) for i in areas} for areas in solid.volumes]
