@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import ModuleType
 
 import numpy as np
@@ -21,15 +22,22 @@ IntArray = NDArray[np.intp]
 
 WALL = "wall"
 """Physical group of the elements."""
-TYPES: Mapping[ElementKind, tuple[int, int]] = {ElementKind.HEXAHEDRON: (5, 3), ElementKind.TETRA10: (11, 9)}
+TYPES: Mapping[ElementKind, tuple[int, int]] = {
+    ElementKind.HEXAHEDRON: (5, 3),
+    ElementKind.HEXAHEDRON20: (17, 16),
+    ElementKind.TETRA10: (11, 9),
+}
 """gmsh's numbers of the element and its facet."""
 ORDER: Mapping[ElementKind, IntArray] = {
     ElementKind.HEXAHEDRON: np.arange(8),
+    # gmsh sorts the edges by their ends: 01 03 04 12 15 23 26 37 45 47 56 67
+    ElementKind.HEXAHEDRON20: np.array([*range(8), 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15]),
     ElementKind.TETRA10: GMSH_TO_VTK,
 }
-"""Where gmsh keeps each of VTK's nodes."""
+"""Where gmsh keeps each of VTK's nodes; their places in a facet are the same."""
 MIRROR: Mapping[ElementKind, list[int]] = {
     ElementKind.HEXAHEDRON: [4, 5, 6, 7, 0, 1, 2, 3],
+    ElementKind.HEXAHEDRON20: [4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11, 16, 17, 18, 19],
     ElementKind.TETRA10: [0, 2, 1, 3, 6, 5, 4, 7, 9, 8],
 }
 """Order of the nodes that turns an element inside out."""
@@ -48,7 +56,7 @@ def write_by_gmsh(mesh: VolumeMesh, path: Path) -> None:
         solid, facet = TYPES[mesh.kind]
         wall = model.addDiscreteEntity(3)
         model.mesh.addNodes(3, wall, np.arange(1, len(mesh.nodes) + 1), mesh.nodes.ravel())
-        elements = mesh.elements[:, ORDER[mesh.kind]] + 1
+        elements = mesh.elements[:, np.argsort(ORDER[mesh.kind])] + 1
         model.mesh.addElementsByType(wall, solid, [], elements.ravel())
         model.addPhysicalGroup(3, [wall], name=WALL)
         for name, facets in mesh.groups.items():
@@ -56,15 +64,19 @@ def write_by_gmsh(mesh: VolumeMesh, path: Path) -> None:
                 side = model.addDiscreteEntity(2)
                 model.mesh.addElementsByType(side, facet, [], (facets + 1).ravel())
                 model.addPhysicalGroup(2, [side], name=name)
-        try:
-            gmsh.write(str(path))
-        except Exception as error:  # gmsh raises nothing more specific
-            msg = f"gmsh could not write {path}: {error}."
-            raise MeshError(msg) from error
+        # gmsh chooses the format by the suffix, and knows none in capitals.
+        with TemporaryDirectory(dir=path.parent, prefix=".fd2fem-") as folder:
+            written = Path(folder) / f"mesh{path.suffix.lower()}"
+            try:
+                gmsh.write(str(written))
+            except Exception as error:  # gmsh raises nothing more specific
+                msg = f"gmsh could not write {path}: {error}."
+                raise MeshError(msg) from error
+            written.replace(path)
 
 
 def read_msh(path: Path) -> VolumeMesh:
-    """Read hexahedra or 10-node tetrahedra and the named groups of a .msh file.
+    """Read hexahedra of 8 or 20 nodes, or 10-node tetrahedra, and the named groups of a .msh file.
 
     Elements come out with positive volume and facets right-handed about the outward normal, however
     they were written. Nodes of no element are left out; groups other than
@@ -123,12 +135,15 @@ def _kind(gmsh: ModuleType, path: Path) -> ElementKind:
     names = (
         ", ".join(gmsh.model.mesh.getElementProperties(number)[0] for number in found) or "no volume element"
     )
-    msg = f"{path.name} holds {names}: mesh with 8-node hexahedra alone, or 10-node tetrahedra alone."
+    msg = (
+        f"{path.name} holds {names}: mesh with 8-node hexahedra alone, 20-node hexahedra alone "
+        "(Mesh.SecondOrderIncomplete = 1) or 10-node tetrahedra alone."
+    )
     raise InputError(msg)
 
 
 def _named_facets(gmsh: ModuleType, kind: ElementKind) -> dict[str, IntArray]:
-    """Node tags (f, 4 or 6) of the facets in each of our groups."""
+    """Node tags (f, 4, 8 or 6) of the facets in each of our groups."""
     facets: dict[str, IntArray] = {}
     for dim, group in gmsh.model.getPhysicalGroups(2):
         name = gmsh.model.getPhysicalName(dim, group)

@@ -5,6 +5,7 @@ them would be full of slivers; here edges closer than a tolerance share a grid l
 through each edge exactly and runs straight from one to the next.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -14,11 +15,14 @@ from numpy.typing import NDArray
 from fd2fem.meshing.options import divisions
 from fd2fem.meshing.walls import WallRings
 
-__all__ = ["Lattice", "build_lattice", "count_divisions"]
+__all__ = ["Lattice", "build_lattice", "count_divisions", "fill_runs"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 BoolArray = NDArray[np.bool_]
+
+ON_LEVEL = 1e-9
+"""An edge this close to a storey's level, m, lies on it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +70,7 @@ class _Edges:
         return unequal
 
 
-def build_lattice(rings: WallRings, *, tolerance: float) -> Lattice:
+def build_lattice(rings: WallRings, *, tolerance: float, levels: Sequence[float] = ()) -> Lattice:
     """Lattice of a rectilinear wall.
 
     Edges up to `tolerance` apart (m) share a grid line, closest first, unless they would meet on it at
@@ -78,19 +82,37 @@ def build_lattice(rings: WallRings, *, tolerance: float) -> Lattice:
     rings : WallRings
         With horizontal and vertical edges only.
     tolerance : float, m
+    levels : sequence of float, m
+        Heights of grid lines that are level all along the wall: none but edges just there share them.
     """
     vertical, horizontal = _edges(rings)
+    heights = np.r_[horizontal.position, _on_edges(levels, horizontal.position)]
+    edges = len(horizontal.position)
     # Rows first. Edges of one row that do not overlap stay that way: the jambs at their ends meet on
-    # that row, which keeps these on different columns.
-    overlap = horizontal.differ & _touching(vertical.position[horizontal.ends])
-    row = _cluster(horizontal.position, conflict=overlap, tolerance=tolerance)
+    # that row, which keeps these on different columns. A level overlaps all edges.
+    overlap = heights[:, None] != heights[None, :]
+    overlap[:edges, :edges] &= _touching(vertical.position[horizontal.ends])
+    every_row = _cluster(heights, conflict=overlap, tolerance=tolerance)
+    row = every_row[:edges]
     meet = vertical.differ & _touching(row[vertical.ends])
     column = _cluster(vertical.position, conflict=meet, tolerance=tolerance)
-    columns, rows = _means(vertical.position, column), _means(horizontal.position, row)
+    columns, rows = _means(vertical.position, column), _means(heights, every_row)
     x = _pass_through(vertical.position, column, row[vertical.ends], across=rows, lines=len(columns))
-    z = _pass_through(horizontal.position, row, column[horizontal.ends], across=columns, lines=len(rows))
+    throughout = np.broadcast_to([0, len(columns) - 1], (len(levels), 2))
+    spans = np.vstack([column[horizontal.ends], throughout])
+    z = _pass_through(heights, every_row, spans, across=columns, lines=len(rows))
     wall = _wall_cells(rings, column, row)
     return Lattice(points=np.stack([x, z.T], axis=2), columns=columns, rows=rows, wall=wall)
+
+
+def _on_edges(levels: Sequence[float], heights: FloatArray) -> FloatArray:
+    """The levels, those within rounding of an edge just on it."""
+    snapped = np.array(levels, dtype=np.float64)
+    for k, level in enumerate(levels):
+        nearest = heights[np.abs(heights - level).argmin()]
+        if abs(nearest - level) < ON_LEVEL:
+            snapped[k] = nearest
+    return snapped
 
 
 def _edges(rings: WallRings) -> tuple[_Edges, _Edges]:
@@ -195,11 +217,16 @@ def count_divisions(lattice: Lattice, *, size: float, pier_elements: int) -> tup
 def _count(widths: FloatArray, lines: BoolArray, *, size: float, least: int) -> IntArray:
     """Elements along each of `widths`; `lines` are rows of cells along them."""
     count = np.array([divisions(width, size) for width in widths], dtype=np.intp)
+    fill_runs(count, widths, lines, least=least)
+    return count
+
+
+def fill_runs(count: IntArray, widths: FloatArray, lines: BoolArray, *, least: int) -> None:
+    """Raise `count`, elements along each of `widths`, until each run of wall in `lines` has `least`."""
     runs = {run for line in lines for run in _runs(line)}
     for start, end in sorted(runs, key=lambda run: (run[1] - run[0], run)):
         while count[start:end].sum() < least:
             count[start + int(np.argmax(widths[start:end] / count[start:end]))] += 1
-    return count
 
 
 def _runs(line: BoolArray) -> list[tuple[int, int]]:

@@ -8,19 +8,15 @@ from numpy.typing import NDArray
 
 from fd2fem.errors import MeshError
 from fd2fem.meshing.lattice import Lattice
-from fd2fem.meshing.options import MeshOptions
 from fd2fem.meshing.session import gmsh_session
-from fd2fem.meshing.walls import WallRings
 
-__all__ = ["QuadMesh", "free_quads", "lattice_quads"]
+__all__ = ["QuadMesh", "lattice_quads"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
 QUAD = 3
 """gmsh's number for a quadrilateral of 4 nodes."""
-FLATTENING = 50.0
-"""A curved edge is followed to within the element size over this."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +33,13 @@ class QuadMesh:
 
     points: FloatArray
     quads: IntArray
+
+    @property
+    def areas(self) -> FloatArray:
+        """Area (q,) of each quadrilateral, m²."""
+        diagonals = self.points[self.quads[:, 2:]] - self.points[self.quads[:, :2]]
+        first, second = diagonals[:, 0], diagonals[:, 1]
+        return np.asarray(0.5 * (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]))
 
 
 def lattice_quads(lattice: Lattice, columns: IntArray, rows: IntArray) -> QuadMesh:
@@ -69,58 +72,6 @@ def lattice_quads(lattice: Lattice, columns: IntArray, rows: IntArray) -> QuadMe
             geo.mesh.setRecombine(2, surface)
         geo.synchronize()
         return _generate(gmsh)
-
-
-def free_quads(rings: WallRings, *, options: MeshOptions) -> QuadMesh:
-    """Unstructured quadrilaterals on a wall with slanted or curved edges.
-
-    Edges are first thinned to corners that follow them within `options.size` / 50 (a polygon of 1 mm
-    chords would force 1 mm elements). Blossom pairs triangles of twice the size, and each pair is split
-    into four, so at least two elements lie across any pier; where `options.pier_elements` is higher,
-    they get smaller near openings that are close to one another or to the outline.
-
-    Raises
-    ------
-    MeshError
-        If gmsh fails or leaves a triangle.
-    """
-    import shapely
-
-    wall = shapely.Polygon(rings.outer, rings.holes).simplify(options.size / FLATTENING)
-    thin = [shapely.get_coordinates(ring)[:-1] for ring in shapely.get_rings(wall)]
-    quality = {
-        "Mesh.Algorithm": 6.0,  # frontal Delaunay
-        "Mesh.RecombinationAlgorithm": 1.0,  # Blossom
-        "Mesh.RecombineAll": 1.0,
-        "Mesh.SubdivisionAlgorithm": 1.0,  # all quadrilaterals
-        "Mesh.MeshSizeMax": 2.0 * options.size,
-    }
-    with gmsh_session(quality) as gmsh:
-        geo = gmsh.model.geo
-        loops = []
-        for ring, sizes in zip(thin, _sizes(thin, options=options), strict=True):
-            tags = [geo.addPoint(x, z, 0.0, size) for (x, z), size in zip(ring, sizes, strict=True)]
-            loops.append(
-                geo.addCurveLoop([geo.addLine(*ends) for ends in zip(tags, tags[1:] + tags[:1], strict=True)])
-            )
-        geo.addPlaneSurface(loops)
-        geo.synchronize()
-        return _generate(gmsh)
-
-
-def _sizes(rings: list[FloatArray], *, options: MeshOptions) -> list[FloatArray]:
-    """Element size at each corner: less where the next ring is close."""
-    import shapely
-
-    loops = [shapely.LinearRing(ring) for ring in rings]
-    sizes = []
-    for k, ring in enumerate(rings):
-        others = shapely.union_all(loops[:k] + loops[k + 1 :])
-        gap = (
-            np.full(len(ring), np.inf) if others.is_empty else shapely.distance(shapely.points(ring), others)
-        )
-        sizes.append(2.0 * np.minimum(options.size, gap / options.pier_elements))
-    return sizes
 
 
 def _generate(gmsh: ModuleType) -> QuadMesh:

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from fd2fem.meshing.topology import EDGES
 from fd2fem.model import ElementKind, MeshQuality, VolumeMesh
 
-__all__ = ["element_aspects", "element_volumes", "mesh_quality", "scaled_jacobians"]
+__all__ = ["element_aspects", "element_volumes", "mesh_quality", "scaled_jacobians", "tetrahedron_shapes"]
 
 FloatArray = NDArray[np.float64]
 
@@ -44,25 +44,33 @@ def scaled_jacobians(mesh: VolumeMesh) -> FloatArray:
 
     Of a hexahedron the least over its corners of the triple product of the unit edges; of a tetrahedron
     √2 times its Jacobian over the largest product of three edges that share a corner. Quadratic
-    tetrahedra are judged by their corners.
+    elements are judged by their corners.
 
     References
     ----------
     Stimpson et al., The Verdict Geometric Quality Library, SAND2007-1751, 2007.
     """
     corner = mesh.nodes[mesh.elements]
-    if mesh.kind is ElementKind.HEXAHEDRON:
+    if mesh.kind is not ElementKind.TETRA10:
         worst = np.full(len(corner), np.inf)
         for own, (first, second, third) in enumerate(_HEX_NEIGHBOURS):
             a, b, c = (_unit(corner[:, other] - corner[:, own]) for other in (first, second, third))
             worst = np.minimum(worst, _triple(a, b, c))
         return worst
-    p = corner[:, :4]
-    jacobian = _triple(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0], p[:, 3] - p[:, 0])
-    sides = np.linalg.norm(p[:, :, None] - p[:, None, :], axis=3) + np.eye(4)
-    return np.asarray(
-        np.sqrt(2.0) * jacobian / np.maximum(sides.prod(axis=2).max(axis=1), np.finfo(float).tiny)
+    return tetrahedron_shapes(corner[:, :4])
+
+
+def tetrahedron_shapes(corners: FloatArray) -> FloatArray:
+    """Scaled Jacobian (e,) of tetrahedra by their corners (e, 4, 3); see `scaled_jacobians`."""
+    p, q, r, s = np.moveaxis(corners, (1, 2), (0, 1))  # each (3, e)
+    a, b, c = q - p, r - p, s - p
+    x, y, z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    jacobian = x * c[0] + y * c[1] + z * c[2]
+    (pq, pr, ps, qr, qs, rs) = (
+        v[0] * v[0] + v[1] * v[1] + v[2] * v[2] for v in (a, b, c, r - q, s - q, s - r)
     )
+    largest = np.maximum(np.maximum(pq * pr * ps, pq * qr * qs), np.maximum(pr * qr * rs, ps * qs * rs))
+    return np.asarray(np.sqrt(2.0 / np.maximum(largest, np.finfo(float).tiny)) * jacobian)
 
 
 def element_aspects(mesh: VolumeMesh) -> FloatArray:
@@ -75,18 +83,47 @@ def element_aspects(mesh: VolumeMesh) -> FloatArray:
 def element_volumes(mesh: VolumeMesh) -> FloatArray:
     """Volume (e,), m³, of each element.
 
-    Hexahedra by 2 × 2 × 2 Gauss points, which is exact for trilinear ones; tetrahedra by their corners.
+    Hexahedra by 2 × 2 × 2 Gauss points, of 20 nodes by 3 × 3 × 3, which is exact, also where they are
+    curved; tetrahedra by their corners.
     """
     corner = mesh.nodes[mesh.elements]
     if mesh.kind is ElementKind.TETRA10:
         p = corner[:, :4]
         return _triple(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0], p[:, 3] - p[:, 0]) / 6.0
+    linear = mesh.kind is ElementKind.HEXAHEDRON
+    gradient, count = (_linear_gradient, 2) if linear else (_quadratic_gradient, 3)
+    place, weight = np.polynomial.legendre.leggauss(count)
     volume = np.zeros(len(corner))
-    for point in _HEX_SIGNS / np.sqrt(3.0):
-        factors = 1.0 + _HEX_SIGNS * point
-        gradient = _HEX_SIGNS * factors[:, [1, 0, 0]] * factors[:, [2, 2, 1]] / 8.0
-        volume += np.linalg.det(np.einsum("nj,eni->eij", gradient, corner))
+    for i, j, k in np.ndindex(count, count, count):
+        jacobian = np.einsum("nj,eni->eij", gradient(place[[i, j, k]]), corner)
+        volume += weight[i] * weight[j] * weight[k] * np.linalg.det(jacobian)
     return volume
+
+
+def _linear_gradient(point: FloatArray) -> FloatArray:
+    """Derivatives (8, 3) of the shape functions of a hexahedron of 8 nodes, at (3,) within ±1."""
+    factors = 1.0 + _HEX_SIGNS * point
+    return np.asarray(_HEX_SIGNS * factors[:, [1, 0, 0]] * factors[:, [2, 2, 1]] / 8.0)
+
+
+def _quadratic_gradient(point: FloatArray) -> FloatArray:
+    """Derivatives (20, 3) of the shape functions of a hexahedron of 20 nodes, at (3,) within ±1.
+
+    At a corner N = (1 + aξ)(1 + bη)(1 + cζ)(aξ + bη + cζ - 2)/8; half the middle of each of its three
+    edges taken from a linear one says the same.
+    """
+    linear = _linear_gradient(point)
+    ends = np.array(EDGES[ElementKind.HEXAHEDRON])
+    signs = _HEX_SIGNS[ends].mean(axis=1)
+    factors = 1.0 + signs * point
+    along = signs == 0.0
+    factors = np.where(along, 1.0 - point**2, factors)
+    slopes = np.where(along, -2.0 * point, signs)
+    middle = slopes * factors[:, [1, 0, 0]] * factors[:, [2, 2, 1]] / 4.0
+    corner = linear.copy()
+    for side in (0, 1):
+        np.subtract.at(corner, ends[:, side], middle / 2.0)
+    return np.vstack([corner, middle])
 
 
 def _unit(vectors: FloatArray) -> FloatArray:

@@ -1,5 +1,7 @@
 """gmsh is one per process: this opens it, quietly, for one model at a time and closes it again."""
 
+import os
+import sys
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -7,7 +9,7 @@ from types import ModuleType
 
 from fd2fem.errors import SYSTEM_LIBRARIES, NumericsError
 
-__all__ = ["gmsh_session"]
+__all__ = ["gmsh_session", "silent_stdout"]
 
 _ONE_AT_A_TIME = threading.RLock()
 _QUIET: Mapping[str, float] = {"General.Terminal": 0.0}
@@ -64,6 +66,29 @@ def gmsh_session(options: Mapping[str, float | str] | None = None) -> Iterator[M
                 gmsh.model.setCurrent(current)
                 for name, value in before.items():
                     _set_option(gmsh, name, value)
+
+
+@contextmanager
+def silent_stdout() -> Iterator[None]:
+    """Let nothing reach the process's standard output, not even from libraries that write to it directly.
+
+    Where it is closed already, nothing is to be done.
+    """
+    try:
+        kept = os.dup(1)
+    except OSError:
+        yield
+        return
+    if sys.stdout is not None:
+        sys.stdout.flush()
+    try:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, 1)
+        os.close(nowhere)
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
 
 
 def _set_option(gmsh: ModuleType, name: str, value: float | str) -> float | str:

@@ -2,12 +2,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mesh_oracles import assert_fills, vtk_quality
 
+from fd2fem.drawings import stand_in
 from fd2fem.errors import InputError, MeshError
-from fd2fem.meshing import MeshOptions, mesh_facade, mesh_quality
+from fd2fem.meshing import ElementShape, MeshOptions, mesh_facade, mesh_quality
 from fd2fem.meshing.quality import element_volumes
 from fd2fem.meshing.topology import boundary_facets
-from fd2fem.model import GROUPS, Facade, Opening, OpeningKind, rectangle
+from fd2fem.model import GROUPS, ElementKind, Facade, Opening, OpeningKind, rectangle
 
 OUTWARD = {
     "base": (0, 0, -1),
@@ -116,17 +118,18 @@ def test_a_door_half_a_micrometre_above_the_ground():
     assert group_area(mesh, "base") == pytest.approx(2 * 0.4, abs=1e-9)
 
 
-def test_reveals_belong_to_no_group():
-    facade = wall((1, 0, 1, 2), (4, 1, 1, 1))
-    mesh = mesh_facade(facade)
-    named = {tuple(sorted(facet)) for facets in mesh.groups.values() for facet in facets.tolist()}
-    surface = boundary_facets(mesh.elements, mesh.kind, nodes=len(mesh.nodes))
-    reveals = np.array([facet for facet in surface.tolist() if tuple(sorted(facet)) not in named])
-    corner = mesh.nodes[reveals]
-    area = (
-        np.linalg.norm(np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]), axis=1).sum() / 2
-    )
-    assert area == pytest.approx((5 + 4) * 0.4)  # door: two jambs and a head; window: all round
+def area(mesh, name):
+    """Area of a group, whichever way its facets look."""
+    return float(np.linalg.norm(vector_areas(mesh, name), axis=1).sum())
+
+
+def test_reveals_are_jambs_heads_and_sills():
+    mesh = mesh_facade(wall((1, 0, 1, 2), (4, 1, 1, 1)))
+    assert area(mesh, "reveals") == pytest.approx((5 + 4) * 0.4)  # door: two jambs, a head; window: all round
+    assert len(mesh.groups["ledges"]) == 0
+    # a closed surface: the areas of all groups add up to nothing
+    total = sum(vector_areas(mesh, name).sum(axis=0) for name in mesh.groups)
+    np.testing.assert_allclose(total, 0.0, atol=1e-9)
 
 
 def test_the_underside_of_a_projection_is_no_base():
@@ -306,3 +309,27 @@ def test_arched_windows_mesh_at_the_default_size(rise):
     mesh = mesh_facade(facade)
     assert mesh_quality(mesh).min_scaled_jacobian >= 0.3
     assert element_volumes(mesh).sum() == pytest.approx(facade.wall_area * 0.35, rel=2e-3)
+
+
+def test_the_largest_stand_in_at_a_tenth_of_a_metre():
+    facade = stand_in("building3")
+    mesh = mesh_facade(facade, options=MeshOptions(size=0.1))
+    assert mesh.kind is ElementKind.HEXAHEDRON
+    assert vtk_quality(mesh).min() >= 0.9
+    assert vtk_quality(mesh, volume=True).sum() == pytest.approx(facade.volume, rel=1e-12)
+    assert_fills(mesh, facade)
+
+
+def test_quadratic_elements_on_request():
+    facade = wall((1, 1, 1, 1.5))
+    linear, quadratic = (mesh_facade(facade, options=MeshOptions(size=0.4, order=n)) for n in (0, 2))
+    assert quadratic.kind is ElementKind.HEXAHEDRON20
+    np.testing.assert_array_equal(quadratic.elements[:, :8], linear.elements)
+    assert set(quadratic.groups) == set(GROUPS)
+
+
+def test_tetrahedra_on_request():
+    facade = wall((1, 1, 1, 1.5))
+    mesh = mesh_facade(facade, options=MeshOptions(size=0.5, elements=ElementShape.TETRAHEDRA))
+    assert mesh.kind is ElementKind.TETRA10
+    assert element_volumes(mesh).sum() == pytest.approx(facade.volume, rel=1e-9)

@@ -90,3 +90,17 @@ def test_a_pier_of_two_columns_counts_them_together():
     columns, _ = count_divisions(lattice, size=1.0, pier_elements=2)
     pier = columns[np.searchsorted(lattice.columns, 1.0) : np.searchsorted(lattice.columns, 2.0)]
     assert pier.sum() == 2
+
+
+def test_a_level_is_a_row_of_its_own_straight_all_along():
+    # sills 3 cm above the level and 2 cm below it: less than the tolerance, yet neither moves it
+    rings = wall_rings(facade((1, 3.03, 1, 1), (3, 2.98, 1, 1)))
+    lattice = build_lattice(rings, tolerance=0.1, levels=[3.0])
+    np.testing.assert_allclose(lattice.rows, [0, 2.98, 3.0, 3.03, 3.98 / 2 + 4.03 / 2, 8])
+    assert (lattice.points[:, 2, 1] == 3.0).all()
+
+
+def test_a_level_shares_the_row_of_edges_just_there():
+    rings = wall_rings(facade((1, 3.0, 1, 1), (3, 3.0 + 1e-13, 1, 1)))
+    lattice = build_lattice(rings, tolerance=0.1, levels=[3.0 + 1e-12])
+    np.testing.assert_allclose(lattice.rows, [0, 3, 4, 8], atol=1e-11)

@@ -2,9 +2,10 @@ import gmsh
 import numpy as np
 import pytest
 
-from fd2fem.meshing import mesh_facade, mesh_quality
+from fd2fem.meshing import MeshOptions, mesh_facade, mesh_quality
 from fd2fem.meshing.quality import element_aspects, element_volumes, scaled_jacobians
 from fd2fem.meshing.session import gmsh_session
+from fd2fem.meshing.topology import EDGES, FACETS, boundary_facets
 from fd2fem.model import ElementKind, Facade, VolumeMesh, rectangle
 
 CUBE = np.array(
@@ -52,6 +53,72 @@ def test_a_regular_tetrahedron():
     assert element_aspects(mesh) == pytest.approx([1.0], rel=1e-14)
 
 
+def hexahedron20(bend):
+    """A unit cube with the middles of its edges, then moved by `bend`."""
+    middles = CUBE[np.array(EDGES[ElementKind.HEXAHEDRON20])].mean(axis=1)
+    nodes = bend(np.vstack([CUBE, middles]))
+    return VolumeMesh(nodes=nodes, elements=np.arange(20)[None], kind=ElementKind.HEXAHEDRON20, groups={})
+
+
+def test_the_volume_of_curved_bricks():
+    def shear(p):  # volume 1
+        return p + np.column_stack([0.3 * p[:, 1] * (1 - p[:, 1]), p[:, 0] * 0, p[:, 0] ** 2])
+
+    def bulge(p):  # the height is 1 + x (1 - x): volume 1 + 1 / 6
+        return p * np.column_stack([np.ones((len(p), 2)), 1 + p[:, 0] * (1 - p[:, 0])])
+
+    assert element_volumes(hexahedron20(shear)) == pytest.approx([1.0], rel=1e-14)
+    assert element_volumes(hexahedron20(bulge)) == pytest.approx([7.0 / 6.0], rel=1e-14)
+
+
+def test_quadratic_bricks_are_judged_by_their_corners():
+    shear = np.array([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [1.0, 0.0, 1.0]])
+    mesh = hexahedron20(lambda p: p @ shear)
+    assert scaled_jacobians(mesh) == pytest.approx([np.sqrt(0.5)], rel=1e-14)
+    assert element_aspects(mesh) == pytest.approx([2.0], rel=1e-14)
+
+
+def vtk_cell(kind):
+    from vtkmodules.vtkCommonDataModel import vtkHexahedron, vtkQuadraticHexahedron, vtkQuadraticTetra
+
+    cells = {
+        "hexahedron": vtkHexahedron,
+        "hexahedron20": vtkQuadraticHexahedron,
+        "tetra10": vtkQuadraticTetra,
+    }
+    cell = cells[kind.value]()
+    for k in range(kind.nodes):
+        cell.GetPointIds().SetId(k, k)
+    return cell
+
+
+def ids(part):
+    return [part.GetPointId(k) for k in range(part.GetNumberOfPoints())]
+
+
+@pytest.mark.parametrize("kind", ElementKind)
+def test_facets_and_edges_are_those_of_vtk(kind):
+    cell = vtk_cell(kind)
+    theirs = {frozenset(ids(cell.GetFace(k))) for k in range(cell.GetNumberOfFaces())}
+    assert {frozenset(facet) for facet in FACETS[kind]} == theirs
+    theirs = {frozenset(ids(cell.GetEdge(k))) for k in range(cell.GetNumberOfEdges())}
+    quadratic = kind is not ElementKind.HEXAHEDRON
+    corners = 4 if kind is ElementKind.TETRA10 else 8
+    ours = [(*edge, corners + k) if quadratic else edge for k, edge in enumerate(EDGES[kind])]
+    assert {frozenset(edge) for edge in ours} == theirs
+
+
+def test_facets_of_a_quadratic_brick_look_outwards_and_have_their_middles_in_order():
+    mesh = hexahedron20(lambda p: p)
+    facets = boundary_facets(mesh.elements, mesh.kind, nodes=20)
+    assert facets.shape == (6, 8)
+    p = mesh.nodes[facets]
+    np.testing.assert_array_equal(p[:, 4:], (p[:, :4] + np.roll(p[:, :4], -1, axis=1)) / 2)
+    area = np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 1]) / 2
+    outward = p[:, :4].mean(axis=1) - 0.5
+    np.testing.assert_allclose(area, 2 * outward, atol=1e-15)
+
+
 def vtk_scaled_jacobians(mesh):
     """The same by VTK's Verdict."""
     from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
@@ -63,7 +130,7 @@ def vtk_scaled_jacobians(mesh):
     points.SetData(numpy_to_vtk(np.array(mesh.nodes), deep=True))
     grid = vtkUnstructuredGrid()
     grid.SetPoints(points)
-    hexahedra = mesh.kind is ElementKind.HEXAHEDRON
+    hexahedra = mesh.kind is not ElementKind.TETRA10
     for element in mesh.elements[:, : 8 if hexahedra else 4]:
         grid.InsertNextCell(VTK_HEXAHEDRON if hexahedra else VTK_TETRA, len(element), element.tolist())
     quality = vtkMeshQuality()
@@ -98,8 +165,20 @@ def test_tetrahedra_as_verdict_has_them(seed):
         np.testing.assert_allclose(scaled_jacobians(mesh), vtk_scaled_jacobians(mesh), atol=1e-12)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_quadratic_hexahedra_as_verdict_has_them(seed):
+    rng = np.random.default_rng(seed)
+    for _ in range(10):
+        matrix = np.eye(3) + rng.uniform(-0.4, 0.4, (3, 3))
+        mesh = hexahedron20(lambda p, m=matrix: p @ m)
+        np.testing.assert_allclose(scaled_jacobians(mesh), vtk_scaled_jacobians(mesh), atol=1e-12)
+        assert element_volumes(mesh) == pytest.approx([np.linalg.det(matrix)], rel=1e-12)
+
+
 def test_summary_of_a_facade():
-    quality = mesh_quality(mesh_facade(Facade(outline=rectangle(0, 0, 3, 2), thickness=0.25)))
+    quality = mesh_quality(
+        mesh_facade(Facade(outline=rectangle(0, 0, 3, 2), thickness=0.25), options=MeshOptions(size=0.25))
+    )
     assert (quality.elements, quality.nodes) == (12 * 8, 13 * 9 * 2)
     assert quality.min_scaled_jacobian == pytest.approx(1.0)
     assert quality.mean_scaled_jacobian == pytest.approx(1.0)

@@ -6,7 +6,7 @@ import gmsh
 import pytest
 
 from fd2fem.errors import NumericsError
-from fd2fem.meshing import mesh_facade
+from fd2fem.meshing import MeshOptions, mesh_facade
 from fd2fem.meshing.session import gmsh_session
 from fd2fem.model import Facade, rectangle
 
@@ -35,9 +35,11 @@ def test_a_session_of_the_caller_survives():
 
 def test_threads_take_turns():
     facade = Facade(outline=rectangle(0, 0, 2, 2), thickness=0.5)
+    options = MeshOptions(size=0.25)
     counts = []
     threads = [
-        threading.Thread(target=lambda: counts.append(len(mesh_facade(facade).elements))) for _ in range(4)
+        threading.Thread(target=lambda: counts.append(len(mesh_facade(facade, options=options).elements)))
+        for _ in range(4)
     ]
     for thread in threads:
         thread.start()
