@@ -49,6 +49,8 @@ def load_solid(gmsh: ModuleType, path: Path) -> float:
         If solids that touch cannot be joined.
     """
     kind = _checked_kind(path)
+    if kind == "iges":
+        _define_unit(gmsh)
     _import(gmsh, path, kind)
     if not gmsh.model.getEntities(3) and gmsh.model.getEntities(2):
         gmsh.clear()
@@ -105,6 +107,15 @@ _LOOKS: Mapping[str, tuple[bytes, bytes]] = MappingProxyType(
     }
 )
 """What each format begins and ends with."""
+
+
+def _define_unit(gmsh: ModuleType) -> None:
+    """Let OpenCASCADE know its setting of the unit, which it defines only once it deals with STEP."""
+    with tempfile.TemporaryDirectory() as folder, silent_stdout():
+        gmsh.model.occ.addPoint(0.0, 0.0, 0.0)
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(Path(folder) / "point.step"))
+        gmsh.clear()
 
 
 def _import(gmsh: ModuleType, path: Path, kind: str) -> None:

@@ -1,3 +1,6 @@
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -302,3 +305,15 @@ def test_any_window(width, height, left, low, thickness):
     mesh = mesh_facade_tetrahedra(facade, options=MeshOptions(size=0.4))
     assert mesh_quality(mesh).volume == pytest.approx(facade.volume, rel=1e-6)
     assert group_areas(mesh)["reveals"] == pytest.approx(2 * (width + height) * thickness, rel=1e-5)
+
+
+def test_iges_is_read_by_a_process_that_has_seen_no_step(tmp_path):
+    path = tmp_path / "wall.igs"
+    # OpenCASCADE works in millimetres.
+    write_iges(box(0, 0, 0, 4000, 500, 3000), path, unit="M", solids=True)
+    code = (
+        "from pathlib import Path; from fd2fem.meshing import MeshOptions, mesh_quality, mesh_step; "
+        f"print(mesh_quality(mesh_step(Path({str(path)!r}), options=MeshOptions(size=0.5))).volume)"
+    )
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert float(answer.stdout) == pytest.approx(6.0, rel=1e-9)
