@@ -44,7 +44,7 @@ def load_solid(gmsh: ModuleType, path: Path) -> float:
     Raises
     ------
     InputError
-        If the file is missing, of another format, truncated, or holds no solid.
+        If the file is missing, of another format, truncated, or holds no solid, or several apart.
     MeshError
         If solids that touch cannot be joined.
     """
@@ -71,6 +71,10 @@ def load_solid(gmsh: ModuleType, path: Path) -> float:
         raise InputError(msg)
     if len(solids) > 1:
         _join(gmsh, path, solids)
+        pieces = len(gmsh.model.getEntities(3))
+        if pieces > 1:
+            msg = f"{path.name} holds {pieces} solids that do not touch: export the wall alone, or join them."
+            raise InputError(msg)
     return float(sum(abs(gmsh.model.occ.getMass(*solid)) for solid in gmsh.model.getEntities(3)))
 
 

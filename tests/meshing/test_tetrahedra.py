@@ -317,3 +317,12 @@ def test_iges_is_read_by_a_process_that_has_seen_no_step(tmp_path):
     )
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert float(answer.stdout) == pytest.approx(6.0, rel=1e-9)
+
+
+def test_solids_that_do_not_touch_are_refused(tmp_path):
+    import cadquery
+
+    pair = cadquery.Compound.makeCompound([box(0, 0, 0, 2, 0.4, 3), box(3, 0, 0, 2, 0.4, 3)])
+    pair.exportStep(str(tmp_path / "pair.step"), unit="M", outputUnit="M")
+    with pytest.raises(InputError, match=r"pair\.step holds 2 solids that do not touch"):
+        mesh_step(tmp_path / "pair.step", options=MeshOptions(size=0.5))
