@@ -1,5 +1,6 @@
 """The trough over a tunnel and what it does to a base."""
 
+import json
 import tomllib
 from pathlib import Path
 
@@ -10,13 +11,19 @@ from hypothesis import strategies as st
 
 from fd2fem.errors import InputError
 from solvers.settlement import (
+    FunctionSettlement,
     LinearSettlement,
     PeckTrough,
+    SettlementTable,
+    SettlementTrough,
     base_displacement,
+    base_stations,
     horizontal_movement,
     horizontal_strain,
     max_settlement,
+    settlement_record,
     settlement_slope,
+    swap_horizontal,
     trough_settlement,
     trough_volume,
     trough_width,
@@ -87,7 +94,7 @@ def test_default_sinks_and_moves_most_at_the_left_end():
 
 @settings(max_examples=30, deadline=None)
 @given(
-    ends=st.tuples(*[st.floats(-0.1, 0.1)] * 4),
+    ends=st.tuples(*[st.floats(-0.07, 0.07)] * 4),
     shares=st.lists(st.floats(0, 1), min_size=1, max_size=5),
     left=st.floats(-5, 5),
 )
@@ -96,6 +103,90 @@ def test_linear_settlement_stays_between_its_ends(ends, shares, left):
     for values, low, high in ((moved[:, 2], *sorted(ends[:2])), (moved[:, 0], *sorted(ends[2:]))):
         assert (values >= low - 1e-12).all()
         assert (values <= high + 1e-12).all()
+
+
+def test_the_other_reading_of_the_horizontal_movement():
+    load = swap_horizontal(LinearSettlement())
+    moved = base_displacement(load, [0.0, 4.95], extent=(0.0, 4.95))
+    assert np.allclose(moved, [[-17.7e-3, 0, -44.5e-3], [-28.3e-3, 0, -17.8e-3]])
+    assert swap_horizontal(load) == LinearSettlement()
+
+
+SHARES = st.lists(st.floats(0, 1), min_size=1, max_size=8)
+
+
+@settings(max_examples=30, deadline=None)
+@given(ends=st.tuples(*[st.floats(-0.03, 0.03)] * 4), shares=SHARES)
+def test_a_function_and_a_table_of_a_line_are_a_line(ends, shares):
+    load = LinearSettlement(*ends)
+    extent = -1.5, 2.5
+    x = -1.5 + 4.0 * np.array(shares)
+    expected = base_displacement(load, x, extent=extent)
+
+    def line(at):
+        share = (at + 1.5) / 4.0
+        up, across = ((1 - share) * one + share * other for one, other in (ends[:2], ends[2:]))
+        return np.column_stack([across, 0 * at, up])
+
+    rows = np.array([-2.0, -1.5, 0.1, 0.7, 2.5])
+    ux, uy, uz = line(rows).T
+    table = SettlementTable(x=tuple(rows), ux=tuple(ux), uy=tuple(uy), uz=tuple(uz))
+    for other in (FunctionSettlement(line), table):
+        assert np.allclose(base_displacement(other, x, extent=extent), expected, rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "load",
+    [
+        LinearSettlement(-0.04, -0.02, -0.03, 0.01),
+        SettlementTable(x=(0, 1, 4), uz=(-0.01, 0, 0.01), uy=(0, 0.01, 0)),
+        PeckTrough(0.01, 6.0, 15.0, centre=1.0),
+        SettlementTrough(0.02, 4.0, 10.0),
+    ],
+)
+def test_positions_are_points_of_the_front(load):
+    x = np.array([0.0, 0.4, 3.0, 4.0])
+    points = np.column_stack([x, 0 * x, [0.0, 0.1, -2.0, 3.0]])
+    moved = base_displacement(load, points, extent=(0.0, 4.0))
+    assert np.array_equal(moved, base_displacement(load, x, extent=(0.0, 4.0)))
+    # Only a skew tunnel tells the front from the back.
+    behind = base_displacement(load, points + np.array([0.0, 0.3, 0.0]), extent=(0.0, 4.0))
+    assert np.allclose(moved, behind, rtol=0, atol=1e-15)
+
+
+def test_a_step_of_the_ground_is_a_settlement():
+    def step(x):
+        return np.column_stack([0 * x, 0 * x, np.where(x < 2.0, 0.0, -0.009)])
+
+    moved = base_displacement(FunctionSettlement(step), [1.9, 2.1], extent=(0.0, 4.0))
+    assert moved[:, 2].tolist() == [0.0, -0.009]
+
+
+def test_stations_are_the_rows_under_the_wall():
+    table = SettlementTable(x=(-1, 0.0, 1, 2, 7), uz=(0,) * 5)
+    assert base_stations(table, extent=(0.5, 2.0)).tolist() == [0.5, 1.0, 2.0]
+    evenly = base_stations(LinearSettlement(), extent=(0.5, 2.0))
+    assert (evenly[0], evenly[-1]) == (0.5, 2.0)
+    assert (np.diff(evenly) > 0).all()
+
+
+def sag(x):
+    return np.column_stack([0 * x, 0 * x, -1e-3 * np.cos(x)])
+
+
+@pytest.mark.parametrize(
+    ("load", "expected"),
+    [
+        (LinearSettlement(0.0, 0.0, 0.0, 1e-3), {"kind": "LinearSettlement", "horizontal_right": 1e-3}),
+        (SettlementTable(x=(0, 1), uz=(0, -1e-3)), {"kind": "SettlementTable", "uz": [0.0, -1e-3]}),
+        (PeckTrough(0.01, 6.0, 15.0, soil="clay"), {"kind": "PeckTrough", "soil": "clay", "k": None}),
+        (SettlementTrough(0.02, 4.0, 10.0), {"kind": "SettlementTrough", "smax": 0.02}),
+        (FunctionSettlement(sag), {"kind": "FunctionSettlement", "function": "sag"}),
+    ],
+)
+def test_record_in_json(load, expected):
+    record = json.loads(json.dumps(settlement_record(load), allow_nan=False))
+    assert record | expected == record
 
 
 @pytest.mark.parametrize(
@@ -112,6 +203,37 @@ def test_linear_settlement_stays_between_its_ends(ends, shares, left):
         (
             lambda: base_displacement(LinearSettlement(vertical_left=-0.5), [0.0], extent=(0.0, 4.0)),
             "wall of 4 m would move 0.5 m: check the settlement's unit",
+        ),
+        (
+            lambda: base_displacement(LinearSettlement(0, 0, 0, 0.22), [0.0], extent=(0.0, 4.0)),
+            "stretch by 0.055 between x = .* more than 0.05: check the settlement's unit",
+        ),
+        (
+            lambda: base_displacement(LinearSettlement(0, 0, 0.22, 0), [0.0], extent=(0.0, 4.0)),
+            "shorten by 0.055 between",
+        ),
+        (
+            lambda: base_displacement(LinearSettlement(-0.3, 0, 0, 0), [0.0], extent=(0.0, 4.0)),
+            "slope by 0.075 between",
+        ),
+        (
+            lambda: base_displacement(
+                SettlementTable(x=(0, 2, 2.5, 5), uz=(0,) * 4, uy=(0, 0, 0.1, 0)), [0.0], extent=(0.0, 5.0)
+            ),
+            "shear by 0.2 between x = 2 and 2.25 m",
+        ),
+        (lambda: base_displacement(LinearSettlement(), [[0.0, 1.0]], extent=(0.0, 4.0)), "'points'"),
+        (lambda: base_displacement(LinearSettlement(), [float("nan")], extent=(0.0, 4.0)), "not finite"),
+        (lambda: FunctionSettlement(0.01), "'function': expected a function of positions, got 0.01"),
+        (
+            lambda: base_displacement(FunctionSettlement(np.cos), [0.0], extent=(0.0, 4.0)),
+            "'settlement function': expected shape",
+        ),
+        (
+            lambda: base_displacement(
+                FunctionSettlement(lambda x: sag(x) + np.inf), [0.0], extent=(0.0, 4.0)
+            ),
+            "'settlement function': .* not finite",
         ),
     ],
 )
