@@ -1,6 +1,7 @@
 """Time the chain against named peers, measured in the same run: ``python benchmarks/run.py``.
 
-``python benchmarks/run.py --large`` also triangulates five million points, which takes minutes and gigabytes;
+``python benchmarks/run.py --large`` also triangulates five million points and analyses a million unknowns,
+which takes minutes and gigabytes;
 ``python benchmarks/run.py reconstruction`` measures that section only.
 
 Every line gives our seconds, the peer's, and the ratio peer / ours: above 1 we are faster. CPU seconds are
@@ -9,9 +10,6 @@ what counts on a busy machine, wall seconds stand beside them. Short measurement
 
 import argparse
 import json
-import os
-import resource
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -19,74 +17,25 @@ import tracemalloc
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from time import perf_counter, process_time
+from time import perf_counter
 from typing import Any
 
 import numpy as np
+from elastic import assembly, elastic_analysis, large_analysis
 from numpy.typing import NDArray
+from timing import Seconds, head, row, timed
 
 from fd2fem.drawings import stand_in
-from fd2fem.meshing import MeshOptions, mesh_facade, write_mesh
-from fd2fem.model import Facade, PointCloud, VolumeMesh
+from fd2fem.model import Facade, PointCloud
 from fd2fem.reconstruction import reconstruct, voxelise
 from fd2fem.scans import read_scan, write_las
 from fd2fem.solids import solid_from_voxels, write_anf
-from solvers import AnalysisOptions, base_displacement, elasticity_matrix, lame_parameters, read_response
-from solvers.assembly import stiffness
-from solvers.elements import Space, displacement_space
 
 POINTS = (50_000, 200_000, 650_000)
 MANY_POINTS = 5_000_000
 PATTERNS = {"grid": "jittered grid", "lines": "scan lines"}
 SECTIONS = ("reconstruction", "reading", "analysis", "neutral_file")
 READ_POINTS = 500_000
-MESH_SIZE = 0.17
-"""Element edge, m: about 50,000 unknowns in Building 1."""
-INTORDER = 5
-"""27 points in a hexahedron, as ours; scikit-fem's own choice would be 343."""
-OPTIONS = AnalysisOptions()
-
-
-@dataclass(frozen=True)
-class Seconds:
-    """What one measurement took."""
-
-    cpu: float
-    wall: float
-
-
-def timed(task: Callable[[], object], repeat: int = 1) -> Seconds:
-    """Best of `repeat` runs of a task."""
-    runs = []
-    for _ in range(repeat):
-        wall, cpu = perf_counter(), process_time()
-        task()
-        runs.append(Seconds(process_time() - cpu, perf_counter() - wall))
-    return min(runs, key=lambda run: run.cpu)
-
-
-def timed_process(command: list[str], folder: Path, env: dict[str, str]) -> Seconds:
-    """A whole process, from its start to its end."""
-    before, wall = resource.getrusage(resource.RUSAGE_CHILDREN), perf_counter()
-    subprocess.run(command, cwd=folder, env=env, check=True, capture_output=True)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return Seconds(cpu, perf_counter() - wall)
-
-
-def row(name: str, ours: Seconds, peer_name: str, peer: Seconds) -> None:
-    """Print one comparison."""
-    print(
-        f"{name:34s} {ours.cpu:8.3f} {ours.wall:8.3f}   {peer_name:34s} {peer.cpu:8.3f} {peer.wall:8.3f}   "
-        f"{peer.cpu / ours.cpu:6.2f} {peer.wall / ours.wall:6.2f}"
-    )
-
-
-def head(title: str) -> None:
-    """Print the columns' names."""
-    print(f"\n{title}")
-    print(f"{'ours':34s} {'CPU s':>8s} {'wall s':>8s}   {'peer':34s} {'CPU s':>8s} {'wall s':>8s}   ", end="")
-    print(f"{'CPU':>6s} {'wall':>6s}")
 
 
 def wall_cloud(facade: Facade, count: int, pattern: str = "random") -> PointCloud:
@@ -218,73 +167,6 @@ def reading(folder: Path) -> None:
         row(f"read_scan, .{suffix}", ours, name, timed(lambda path=path, reader=reader: reader(path), 3))
 
 
-def stock_stiffness(mesh: VolumeMesh) -> Any:
-    """The same stiffness by scikit-fem's own form."""
-    import skfem
-    from skfem.models.elasticity import linear_elasticity
-
-    order = [6, 2, 5, 7, 1, 3, 4, 0]  # VTK's corners as scikit-fem's reference element has them
-    grid = skfem.MeshHex(mesh.nodes.T.copy(), mesh.elements[:, order].T.copy())
-    basis = skfem.Basis(grid, skfem.ElementVector(skfem.ElementHexS2()), intorder=INTORDER)
-    lame = lame_parameters(OPTIONS.material)
-    return skfem.asm(linear_elasticity(lame.first, lame.shear), basis)
-
-
-def assembly(mesh: VolumeMesh, space: Space) -> None:
-    """Our stiffness matrix beside scikit-fem's stock form, on the same mesh and points."""
-    elasticity = elasticity_matrix(OPTIONS.material)
-    ours, stock = stiffness(space, elasticity), stock_stiffness(mesh)
-    # The two number their unknowns differently, so it is the sorted diagonals that must agree.
-    own, other = (np.sort(matrix.diagonal()) for matrix in (ours, stock))
-    difference = np.abs(own - other).max() / own.max()
-    head(f"Stiffness matrix, {len(mesh.elements):,} 20-node hexahedra, {space.unknowns:,} unknowns")
-    peer = timed(lambda: stock_stiffness(mesh))
-    row("solvers.assembly.stiffness", timed(lambda: stiffness(space, elasticity), 3), "scikit-fem", peer)
-    print(f"  largest difference of the diagonals {difference:.1e} of the largest; intorder {INTORDER}")
-
-
-def write_deck(space: Space, mesh: VolumeMesh, path: Path) -> None:
-    """The same analysis for CalculiX: C3D20, self-weight, the base moved."""
-    material = OPTIONS.material
-    ends = float(mesh.nodes[:, 0].min()), float(mesh.nodes[:, 0].max())
-    moved = base_displacement(OPTIONS.settlement, space.points[space.base, 0], extent=ends)
-    with path.open("w", encoding="ascii") as deck:
-        deck.write("*NODE, NSET=ALL\n")
-        numbers = np.arange(1, len(space.points) + 1)
-        np.savetxt(deck, np.column_stack([numbers, space.points]), fmt="%d, %.12e, %.12e, %.12e")
-        deck.write("*ELEMENT, TYPE=C3D20, ELSET=WALL\n")
-        for number, nodes in enumerate(space.connectivity + 1, start=1):
-            deck.write(f"{number}, {', '.join(map(str, nodes[:15]))},\n{', '.join(map(str, nodes[15:]))}\n")
-        deck.write(f"*MATERIAL, NAME=M\n*ELASTIC\n{material.young}, {material.poisson}\n")
-        deck.write(f"*DENSITY\n{material.density}\n*SOLID SECTION, ELSET=WALL, MATERIAL=M\n")
-        deck.write("*STEP\n*STATIC\n*BOUNDARY\n")
-        for node, values in zip(space.base + 1, moved, strict=True):
-            deck.writelines(f"{node}, {axis}, {axis}, {value:.12e}\n" for axis, value in enumerate(values, 1))
-        deck.write(f"*DLOAD\nWALL, GRAV, {OPTIONS.gravity}, 0., 0., -1.\n")
-        deck.write("*NODE PRINT, NSET=ALL\nU\n*NODE FILE\nU\n*EL FILE\nS\n*END STEP\n")
-
-
-def analysis(mesh: VolumeMesh, space: Space, folder: Path) -> None:
-    """A mesh file to results on disk, whole processes."""
-    head(f"Elastic analysis from file to file, {space.unknowns:,} unknowns")
-    env = os.environ | {"OMP_NUM_THREADS": str(os.cpu_count())}
-    write_mesh(mesh, folder / "wall.msh")
-    command = [sys.executable, "-m", "fd2fem", "analyse", "wall.msh", "-o", "out", "--force", "--quiet"]
-    ours = timed_process(command, folder, env)
-    if shutil.which("ccx") is None:
-        print(f"fd2fem analyse: {ours.cpu:.2f} CPU s, {ours.wall:.2f} wall s; ccx is not on PATH: skipped")
-        return
-    write_deck(space, mesh, folder / "wall.inp")
-    peer = timed_process(["ccx", "wall"], folder, env)
-    row("fd2fem analyse wall.msh", ours, "CalculiX (ccx), C3D20, same mesh", peer)
-    response = read_response(folder / "out")
-    theirs = np.genfromtxt(folder / "wall.dat", skip_header=3)[: len(mesh.nodes), 1:]
-    largest = response.max_displacement
-    difference = np.linalg.norm(theirs, axis=1).max() / largest - 1.0
-    print(f"  largest displacement {1000 * largest:.3f} mm; relative difference {difference:.1e}")
-    print("  ours, wall s: " + "  ".join(f"{step} {took:.2f}" for step, took in response.timings.items()))
-
-
 def neutral_file(folder: Path) -> None:
     """Voxels per second into the neutral file; there is no peer."""
     voxels = voxelise(stand_in("building3"), max_size=0.198)
@@ -302,7 +184,7 @@ def main() -> None:
     """Run all of it, or what is asked for."""
     parser = argparse.ArgumentParser(description="Time the chain against named peers.")
     parser.add_argument("sections", nargs="*", metavar="section", help=", ".join(SECTIONS) + "; default: all")
-    parser.add_argument("--large", action="store_true", help="also triangulate five million points")
+    parser.add_argument("--large", action="store_true", help="also the largest cases")
     parser.add_argument("--fresh", nargs=2, metavar=("PATTERN", "COUNT"), help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.fresh:
@@ -319,10 +201,10 @@ def main() -> None:
         if "reading" in chosen:
             reading(folder)
         if "analysis" in chosen:
-            mesh = mesh_facade(stand_in("building1"), options=MeshOptions(size=MESH_SIZE))
-            space = displacement_space(mesh)
-            assembly(mesh, space)
-            analysis(mesh, space, folder)
+            assembly()
+            elastic_analysis(folder)
+            if arguments.large:
+                large_analysis(folder)
         if "neutral_file" in chosen:
             neutral_file(folder)
     print(f"\nwhole run: {perf_counter() - start:.0f} s")

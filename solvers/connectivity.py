@@ -1,4 +1,4 @@
-"""Whether every part of a mesh stands on the base."""
+"""Whether every part of a mesh stands on the base, and is held there."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,15 +6,22 @@ from numpy.typing import NDArray
 from fd2fem.errors import InputError
 from fd2fem.model import ElementKind, VolumeMesh
 
-__all__ = ["check_supported", "parts"]
+__all__ = ["check_held", "check_supported", "mesh_parts", "parts", "rigid_motions"]
 
+_OF_HEXAHEDRON = np.array(
+    [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [2, 3, 7, 6], [0, 4, 7, 3], [1, 2, 6, 5]]
+)
 FACETS = {
-    ElementKind.HEXAHEDRON: np.array(
-        [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [2, 3, 7, 6], [0, 4, 7, 3], [1, 2, 6, 5]]
-    ),
+    ElementKind.HEXAHEDRON: _OF_HEXAHEDRON,
+    ElementKind.HEXAHEDRON20: _OF_HEXAHEDRON,
     ElementKind.TETRA10: np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]),
 }
 """Corners of each element's facets, VTK's order."""
+
+MOTIONS = ("shift along x", "shift along y", "shift along z", "turn about x", "turn about y", "turn about z")
+"""Rigid motions, in the order of :func:`rigid_motions`."""
+LOOSE = 1e-6
+"""What holds a rigid motion at less than this part of the wall's size does not hold it."""
 
 
 def parts(element_facets: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -47,6 +54,21 @@ def parts(element_facets: NDArray[np.intp]) -> NDArray[np.intp]:
     return number
 
 
+def mesh_parts(mesh: VolumeMesh) -> NDArray[np.intp]:
+    """Part, numbered from 0, that each element of a mesh belongs to."""
+    corners = FACETS[mesh.kind]
+    facets = np.sort(mesh.elements[:, corners].reshape(-1, corners.shape[1]), axis=1)
+    return parts(_numbers(facets).reshape(len(mesh.elements), -1))
+
+
+def _numbers(facets: NDArray[np.intp]) -> NDArray[np.intp]:
+    """The same number (f,) for equal rows of an (f, k) array, from 0: numpy's unique, eight times as fast."""
+    number, base = facets[:, 0], int(facets.max()) + 1
+    for column in facets.T[1:]:
+        number = np.unique(number * base + column, return_inverse=True)[1]
+    return number
+
+
 def check_supported(mesh: VolumeMesh) -> None:
     """Check that every part of a mesh has a facet on the base.
 
@@ -60,7 +82,7 @@ def check_supported(mesh: VolumeMesh) -> None:
     of_elements = mesh.elements[:, corners].reshape(-1, corners.shape[1])
     of_base = mesh.groups["base"][:, : corners.shape[1]]
     together = np.sort(np.vstack([of_elements, of_base]), axis=1)
-    number = np.unique(together, axis=0, return_inverse=True)[1].ravel()
+    number = _numbers(together)
     element_facets = number[: len(of_elements)].reshape(len(mesh.elements), -1)
     base_facets = number[len(of_elements) :]
     strays = int((~np.isin(base_facets, element_facets)).sum())
@@ -78,3 +100,59 @@ def check_supported(mesh: VolumeMesh) -> None:
             f"to the base through facets ({int(loose.sum())} loose elements in all): correct the facade."
         )
         raise InputError(msg)
+
+
+def check_held(mesh: VolumeMesh, points: NDArray[np.float64], held: NDArray[np.bool_]) -> None:
+    """Check that no part of a mesh can move without being strained.
+
+    Parameters
+    ----------
+    mesh : VolumeMesh
+    points : (m, 3) float array, m
+        That carry displacements, the mesh's nodes first.
+    held : (m, 3) bool array
+        Displacements that a support or a spring holds.
+
+    Raises
+    ------
+    InputError
+        If a part can shift or turn freely.
+    """
+    part = mesh_parts(mesh)
+    on_nodes = held[: len(mesh.nodes)]
+    for number in range(int(part.max()) + 1):
+        nodes = np.unique(mesh.elements[part == number])
+        motions = rigid_motions(points[nodes])[on_nodes[nodes].ravel()]
+        sizes, directions = np.linalg.eigh(motions.T @ motions / max(1, len(motions)))
+        if sizes[0] <= LOOSE**2:
+            x, _, z = points[nodes].mean(axis=0)
+            motion = MOTIONS[int(np.abs(directions[:, 0]).argmax())]
+            msg = (
+                f"The wall is not held well enough: its part around x = {x:.3g}, z = {z:.3g} m "
+                f"is free to move ({motion}). Tie its base."
+            )
+            raise InputError(msg)
+
+
+def rigid_motions(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Motions that strain nothing: three shifts, and three turns about the middle.
+
+    Parameters
+    ----------
+    points : (m, 3) float array, m
+
+    Returns
+    -------
+    motions : (3m, 6) float array
+        Components x, y, z of each point in turn; the turns in units of the longest distance from the middle,
+        so that all six are of one size.
+    """
+    arm = points - points.mean(axis=0)
+    arm /= np.abs(arm).max() or 1.0
+    x, y, z = arm.T
+    motions = np.zeros((len(points), 3, 6))
+    motions[:, range(3), range(3)] = 1.0
+    motions[:, 1, 3], motions[:, 2, 3] = -z, y
+    motions[:, 0, 4], motions[:, 2, 4] = z, -x
+    motions[:, 0, 5], motions[:, 1, 5] = -y, x
+    return motions.reshape(-1, 6)

@@ -1,61 +1,35 @@
 """Linear elastic analysis of a facade: self-weight, and a base that the ground moves."""
 
 import time
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fd2fem.errors import ConvergenceError, InputError
-from fd2fem.model import ElementKind, Response, VolumeMesh
-from solvers.assembly import body_force, stiffness
+from fd2fem.errors import ConvergenceError
+from fd2fem.model import Response, VolumeMesh
+from solvers.assembly import body_force, elastic_body
 from solvers.connectivity import check_supported
-from solvers.elements import Space, displacement_space
-from solvers.equilibrium import Equilibrium, solve_prescribed
-from solvers.materials import Material, elasticity_matrix
-from solvers.settlement import LinearSettlement, Settlement, base_displacement
+from solvers.elements import ElementType, Space, displacement_space
+from solvers.equilibrium import Equilibrium, assemble, solve
+from solvers.options import AnalysisOptions, element_of
+from solvers.settlement import base_displacement, settlement_record
 from solvers.stress import nodal_stress, point_stress, principal_stress, stress_measures
 
-__all__ = ["AnalysisOptions", "analyse"]
+__all__ = ["analyse"]
 
 LARGEST_IMBALANCE = 1e-8
 """Difference of the reaction from the weight, relative to the weight, above which a result is refused."""
 
 ELEMENT_NAMES = {
-    ElementKind.HEXAHEDRON: "20-node serendipity hexahedron",
-    ElementKind.TETRA10: "10-node tetrahedron",
+    ElementType.HEXAHEDRON20: "20-node serendipity hexahedron",
+    ElementType.INCOMPATIBLE: "8-node hexahedron with incompatible modes",
+    ElementType.HEXAHEDRON8: "8-node hexahedron (locks in bending)",
+    ElementType.TETRA10: "10-node tetrahedron",
 }
 
 FloatArray = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class AnalysisOptions:
-    """What the wall is made of and what happens to it.
-
-    Attributes
-    ----------
-    material : Material
-    settlement : Settlement
-        Displacement imposed on the base; all of it is held along y.
-    gravity : float, m/s²
-        Along -z; 0 leaves the self-weight out.
-
-    Raises
-    ------
-    InputError
-        If gravity is negative or not finite.
-    """
-
-    material: Material = field(default_factory=Material)
-    settlement: Settlement = field(default_factory=LinearSettlement)
-    gravity: float = 9.81
-
-    def __post_init__(self) -> None:
-        if not 0.0 <= self.gravity < np.inf:
-            msg = f"Invalid 'gravity': expected 0 or a positive number, got {self.gravity}."
-            raise InputError(msg)
 
 
 def analyse(mesh: VolumeMesh, *, options: AnalysisOptions | None = None) -> Response:
@@ -85,23 +59,25 @@ def analyse(mesh: VolumeMesh, *, options: AnalysisOptions | None = None) -> Resp
 
     Notes
     -----
-    Small displacements and rotations; the stiffness is integrated by 27 points in a hexahedron, 4 in a
-    tetrahedron.
+    Small displacements and rotations; the stiffness is integrated by 27 points in a 20-node hexahedron, 8 in
+    one of 8 nodes, 4 in a tetrahedron.
     """
     options = options or AnalysisOptions()
     check_supported(mesh)
-    space = displacement_space(mesh)
+    space = displacement_space(mesh, element_of(mesh.kind, options))
     ends = float(mesh.nodes[:, 0].min()), float(mesh.nodes[:, 0].max())
-    moved = base_displacement(options.settlement, space.points[space.base, 0], extent=ends)
-    elasticity = elasticity_matrix(options.material)
+    moved = base_displacement(options.settlement, space.points[space.base], extent=ends)
+    prescribed, values = np.zeros((len(space.points), 3), dtype=bool), np.zeros((len(space.points), 3))
+    prescribed[space.base], values[space.base] = True, moved
 
     start = time.perf_counter()
-    K = stiffness(space, elasticity)
     force = body_force(space, [0.0, 0.0, -options.material.density * options.gravity])
+    body = elastic_body(space, options.material)
+    equations = assemble(body, force, prescribed=prescribed, values=values)
     assembled = time.perf_counter()
-    state = solve_prescribed(K, force, points=space.base, values=moved)
+    state = solve(equations, solver=options.solver)
     solved = time.perf_counter()
-    points = point_stress(space, elasticity, displacement=state.displacement)
+    points = point_stress(space, options.material, displacement=state.displacement)
     stress = nodal_stress(mesh, points)
     principal = principal_stress(stress)
     thickness = float(np.ptp(mesh.nodes[:, 1]))
@@ -150,12 +126,12 @@ def _check_balance(state: Equilibrium, weight: float) -> float:
 def _solver_record(space: Space, state: Equilibrium, options: AnalysisOptions) -> dict[str, Any]:
     """How the response was computed, as JSON values."""
     return {
-        "name": "scipy SuperLU",
+        "name": state.solver,
         "law": "linear elastic",
-        "element": ELEMENT_NAMES[space.kind],
+        "element": ELEMENT_NAMES[space.element],
         "unknowns": space.unknowns - 3 * len(space.base),
         "relative_residual": state.relative_residual,
         "material": asdict(options.material),
-        "settlement": {"kind": type(options.settlement).__name__} | asdict(options.settlement),
+        "settlement": settlement_record(options.settlement),
         "gravity": options.gravity,
     }

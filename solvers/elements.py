@@ -1,12 +1,14 @@
-"""Quadratic elements: scikit-fem's shape functions and quadrature, and the nodes that carry them.
+"""Elements: scikit-fem's shape functions and quadrature, and the points that carry displacements.
 
-A mesh of 8-node hexahedra carries 20-node serendipity displacements: the plain 8-node element is far
-too stiff in bending (a cantilever one element deep moves a third of what it should). The points in
+By default a mesh of 8-node hexahedra carries 20-node serendipity displacements: the plain 8-node element
+is far too stiff in bending (a cantilever one element deep moves a third of what it should). The points in
 the middle of the edges are added behind the mesh's own nodes, in the order of VTK's quadratic
-hexahedron, which is also that of CalculiX's C3D20.
+hexahedron, which is also that of CalculiX's C3D20. A mesh of 20-node hexahedra brings these points
+along and answers the same.
 """
 
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Any
 
 import numpy as np
@@ -14,7 +16,7 @@ from numpy.typing import NDArray
 
 from fd2fem.model import ElementKind, VolumeMesh
 
-__all__ = ["ElementTable", "Space", "displacement_space", "tabulate"]
+__all__ = ["ElementTable", "ElementType", "Space", "displacement_space", "shape_functions", "tabulate"]
 
 FloatArray = NDArray[np.float64]
 
@@ -27,11 +29,31 @@ HEXAHEDRON_EDGES = np.array(
 TETRAHEDRON_CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=np.float64)
 TETRAHEDRON_EDGES = np.array([[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]])
 
-STIFFNESS_ORDER = {ElementKind.HEXAHEDRON: 5, ElementKind.TETRA10: 2}
+STIFFNESS_ORDER = {ElementKind.HEXAHEDRON: 5, ElementKind.HEXAHEDRON20: 5, ElementKind.TETRA10: 2}
 """Degree that the stiffness is integrated to: 27 and 4 points, those of C3D20 and C3D10."""
 
-STRESS_ORDER = {ElementKind.HEXAHEDRON: 3, ElementKind.TETRA10: 2}
+STRESS_ORDER = {ElementKind.HEXAHEDRON: 3, ElementKind.HEXAHEDRON20: 3, ElementKind.TETRA10: 2}
 """Degree of the rule whose points the stresses are taken at: 8 and 4, where they are most accurate."""
+
+
+class ElementType(StrEnum):
+    """What carries the displacements.
+
+    HEXAHEDRON20 is the serendipity element at 27 points, CalculiX's C3D20. INCOMPATIBLE is the 8-node
+    hexahedron with incompatible modes: a quarter of the unknowns on the same mesh, as good in bending while
+    the elements are near to boxes. HEXAHEDRON8, the same without them (C3D8), locks in bending and is meant
+    for comparisons with other programs. TETRA10 is the quadratic tetrahedron at 4 points, C3D10.
+    """
+
+    HEXAHEDRON20 = "hexahedron20"
+    INCOMPATIBLE = "incompatible"
+    HEXAHEDRON8 = "hexahedron8"
+    TETRA10 = "tetra10"
+
+    @property
+    def eight_nodes(self) -> bool:
+        """Whether the corners alone carry displacements."""
+        return self in {ElementType.INCOMPATIBLE, ElementType.HEXAHEDRON8}
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +86,8 @@ class Space:
     Attributes
     ----------
     kind : ElementKind
+        Of the mesh.
+    element : ElementType
     points : (m, 3) float array, m
         The mesh's nodes, then the added mid-edge points.
     connectivity : (e, b) int array
@@ -73,6 +97,7 @@ class Space:
     """
 
     kind: ElementKind
+    element: ElementType
     points: FloatArray
     connectivity: NDArray[np.intp]
     base: NDArray[np.intp]
@@ -83,8 +108,14 @@ class Space:
         return 3 * len(self.points)
 
 
-def displacement_space(mesh: VolumeMesh) -> Space:
-    """Points of the quadratic displacements on a mesh.
+def displacement_space(mesh: VolumeMesh, element: ElementType = ElementType.HEXAHEDRON20) -> Space:
+    """Points of the displacements on a mesh.
+
+    Parameters
+    ----------
+    mesh : VolumeMesh
+    element : ElementType
+        What a mesh of 8-node hexahedra becomes; 20-node hexahedra and tetrahedra are taken as they are.
 
     Raises
     ------
@@ -92,8 +123,10 @@ def displacement_space(mesh: VolumeMesh) -> Space:
         If the mesh has no group "base".
     """
     base = mesh.group_nodes("base")
-    if mesh.kind is ElementKind.TETRA10:
-        return Space(kind=mesh.kind, points=mesh.nodes, connectivity=mesh.elements, base=base)
+    if mesh.kind is not ElementKind.HEXAHEDRON or element.eight_nodes:
+        own = element if mesh.kind is ElementKind.HEXAHEDRON else ElementType(mesh.kind.value)
+        # Copies: the compiled functions would be compiled once more for arrays that are read-only.
+        return Space(mesh.kind, own, mesh.nodes.copy(), mesh.elements.copy(), base)
     n = len(mesh.nodes)
     ends = np.sort(mesh.elements[:, HEXAHEDRON_EDGES].reshape(-1, 2), axis=1)
     keys, edge = np.unique(ends[:, 0] * n + ends[:, 1], return_inverse=True)
@@ -103,6 +136,7 @@ def displacement_space(mesh: VolumeMesh) -> Space:
     on_base = np.flatnonzero(np.isin(keys, sides[:, 0] * n + sides[:, 1]))
     return Space(
         kind=mesh.kind,
+        element=ElementType.HEXAHEDRON20,
         points=np.vstack([mesh.nodes, middle]),
         connectivity=np.hstack([mesh.elements, n + edge.reshape(-1, len(HEXAHEDRON_EDGES))]),
         base=np.concatenate([base, n + on_base]),
@@ -114,19 +148,20 @@ def tabulate(kind: ElementKind, order: int) -> ElementTable:
     import skfem
     from skfem.quadrature import get_quadrature
 
-    if kind is ElementKind.HEXAHEDRON:
-        linear, quadratic, geometry = skfem.ElementHex1(), skfem.ElementHexS2(), skfem.ElementHex1()
-        corners, edges = HEXAHEDRON_CORNERS, HEXAHEDRON_EDGES
-    else:
-        linear, quadratic, geometry = skfem.ElementTetP1(), skfem.ElementTetP2(), skfem.ElementTetP2()
+    if kind is ElementKind.TETRA10:
+        linear, quadratic = skfem.ElementTetP1(), skfem.ElementTetP2()
         corners, edges = TETRAHEDRON_CORNERS, TETRAHEDRON_EDGES
+    else:
+        linear, quadratic = skfem.ElementHex1(), skfem.ElementHexS2()
+        corners, edges = HEXAHEDRON_CORNERS, HEXAHEDRON_EDGES
+    geometry = linear if kind is ElementKind.HEXAHEDRON else quadratic
     nodes = np.vstack([corners, corners[edges].mean(axis=1)])
     points, weights = get_quadrature(quadratic, order)
-    values, gradients = _functions(quadratic, nodes, points)
+    values, gradients = shape_functions(quadratic, nodes, points)
     geometry_nodes = nodes[: kind.nodes]
-    _, geometry_gradients = _functions(geometry, geometry_nodes, points)
-    at_points, _ = _functions(linear, corners, points)
-    at_nodes, _ = _functions(linear, corners, geometry_nodes.T)
+    _, geometry_gradients = shape_functions(geometry, geometry_nodes, points)
+    at_points, _ = shape_functions(linear, corners, points)
+    at_nodes, _ = shape_functions(linear, corners, geometry_nodes.T)
     return ElementTable(
         weights=weights,
         values=values,
@@ -136,7 +171,7 @@ def tabulate(kind: ElementKind, order: int) -> ElementTable:
     )
 
 
-def _functions(element: Any, nodes: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+def shape_functions(element: Any, nodes: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Values (q, b) and gradients (q, 3, b) of scikit-fem's functions, in the order of `nodes`."""
     distance = np.abs(element.doflocs[None] - nodes[:, None]).max(axis=2)
     own = [element.lbasis(points.copy(), int(i)) for i in distance.argmin(axis=1)]

@@ -1,22 +1,44 @@
 """Solving K u = f with some displacements prescribed, and checking the answer."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fd2fem.errors import ConvergenceError
+from solvers.assembly import add_up, internal_force
+from solvers.connectivity import rigid_motions
+from solvers.elastic_kernel import ElasticBody
+from solvers.kernels import Sums
+from solvers.linear_solvers import LARGEST_RESIDUAL, SolverName, checked_solve, make_solver, residual_norm
+from solvers.pattern import Pattern, build_pattern
 
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array, csr_matrix
-
-__all__ = ["Equilibrium", "solve_prescribed"]
-
-LARGEST_RESIDUAL = 1e-8
-"""Relative residual above which a solution is refused."""
+__all__ = ["Equations", "Equilibrium", "assemble", "solve"]
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """Equations of equilibrium of an elastic body.
+
+    Attributes
+    ----------
+    body : ElasticBody
+    pattern : Pattern
+        Of the free displacements' stiffness.
+    sums : Sums
+    force : (3m,) float array, N
+    imposed : (3m,) float array, m
+        Prescribed displacements, 0 where they are free.
+    """
+
+    body: ElasticBody
+    pattern: Pattern
+    sums: Sums
+    force: FloatArray
+    imposed: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,13 +48,16 @@ class Equilibrium:
     Attributes
     ----------
     displacement : (m, 3) float array, m
-    reaction : (k, 3) float array, N
-        What holds each prescribed point.
+    reaction : (m, 3) float array, N
+        What holds each prescribed displacement; 0 where it is free.
     relative_residual : float
-        Norm of the free forces out of balance over the norm of the load.
+        Norm of the free forces out of balance over the norm of the load; the forces come from the stresses,
+        not from the matrix.
     strain_energy : float, J
     round_off : float, N
         What rounding alone may leave of a sum of forces that should cancel.
+    solver : str
+        Name of the linear solver.
     """
 
     displacement: FloatArray
@@ -40,74 +65,61 @@ class Equilibrium:
     relative_residual: float
     strain_energy: float
     round_off: float
+    solver: str
 
 
-def solve_prescribed(
-    stiffness: "csr_array", force: FloatArray, *, points: NDArray[np.intp], values: FloatArray
-) -> Equilibrium:
-    """Displacements of a body whose given points move in a given way.
+def assemble(body: ElasticBody, force: FloatArray, *, prescribed: BoolArray, values: FloatArray) -> Equations:
+    """Equations of a body some of whose displacements are prescribed.
 
     Parameters
     ----------
-    stiffness : (3m, 3m) sparse array, N/m
+    body : ElasticBody
     force : (3m,) float array, N
-    points : (k,) int array
-        Points with prescribed displacement, each once.
-    values : (k, 3) float array, m
+    prescribed : (m, 3) bool array
+    values : (m, 3) float array, m
+        Read where they are prescribed.
+    """
+    imposed = np.where(prescribed, values, 0.0).ravel()
+    pattern = build_pattern(
+        body.connectivity, points=len(body.points), prescribed=prescribed.ravel(), upper=True
+    )
+    return Equations(body, pattern, add_up(body, pattern, imposed), force, imposed)
 
-    Returns
-    -------
-    state : Equilibrium
+
+def solve(equations: Equations, *, solver: SolverName = SolverName.AUTO) -> Equilibrium:
+    """Displacements and reactions.
 
     Raises
     ------
+    InputError
+        If the solver that was asked for is not installed.
     ConvergenceError
         If the matrix is singular or too large for the memory, or the relative residual exceeds 1e-8.
     """
-    fixed = (3 * np.asarray(points)[:, None] + np.arange(3)).ravel()
-    is_free = np.ones(len(force), dtype=bool)
-    is_free[fixed] = False
-    free = np.flatnonzero(is_free)
-    u = np.zeros(len(force))
-    u[fixed] = np.asarray(values).ravel()
-    load = (force - stiffness @ u)[free]
-    if len(free):
-        u[free] = _factorise_and_solve(stiffness[free][:, free], load)
-    internal = stiffness @ u
-    out_of_balance = internal - force
-    scale = float(np.linalg.norm(load))
-    residual = float(np.linalg.norm(out_of_balance[free])) / scale if scale > 0.0 else 0.0
+    free = equations.pattern.equation >= 0
+    u = equations.imposed.copy()
+    load = (equations.force - equations.sums.pull)[free]
+    name = "none"
+    if len(load):
+        motions = rigid_motions(equations.body.points)[free]
+        linear = make_solver(solver, equations.pattern, motions=motions, positive=True)
+        linear.factorise(equations.sums.values)
+        u[free] = checked_solve(linear, equations.pattern, equations.sums.values, load).solution
+        name = linear.name
+    internal, bound = internal_force(equations.body, u.reshape(-1, 3))
+    out_of_balance = internal.ravel() - equations.force
+    residual = residual_norm(out_of_balance[free], load)
     if not residual <= LARGEST_RESIDUAL:
         msg = (
-            f"The linear solve left a relative residual of {residual:.2g} (at most {LARGEST_RESIDUAL:.0e}): "
+            f"The stresses leave a relative residual of {residual:.2g} (at most {LARGEST_RESIDUAL:.0e}): "
             "look for nearly flat elements or parts that hang on a single node."
         )
         raise ConvergenceError(msg)
     return Equilibrium(
         displacement=u.reshape(-1, 3),
-        reaction=out_of_balance[fixed].reshape(-1, 3),
+        reaction=np.where(free, 0.0, out_of_balance).reshape(-1, 3),
         relative_residual=residual,
-        strain_energy=0.5 * float(u @ internal),
-        round_off=10 * np.finfo(float).eps * float(np.linalg.norm(abs(stiffness) @ np.abs(u))),
+        strain_energy=0.5 * float(u @ internal.ravel()),
+        round_off=10 * np.finfo(float).eps * float(np.linalg.norm(bound)),
+        solver=name,
     )
-
-
-def _factorise_and_solve(matrix: "csr_matrix", load: FloatArray) -> FloatArray:
-    """SuperLU in its mode for symmetric matrices: 2.5 times faster than its default ordering."""
-    from scipy.sparse.linalg import splu
-
-    try:
-        factor = splu(
-            matrix.tocsc(),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
-    except RuntimeError as error:
-        msg = f"The stiffness matrix of {len(load)} unknowns cannot be factorised ({error})."
-        raise ConvergenceError(msg) from error
-    except MemoryError as error:
-        msg = f"Not enough memory to factorise {len(load)} unknowns: choose larger elements."
-        raise ConvergenceError(msg) from error
-    solution: FloatArray = factor.solve(load)
-    return solution

@@ -5,9 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fd2fem.model import VolumeMesh
-from solvers.assembly import batches, element_gradients, strain_matrix
-from solvers.elements import STRESS_ORDER, Space, tabulate
+from fd2fem.model import ElementKind, VolumeMesh
+from solvers.assembly import elastic_body
+from solvers.compiled import in_chunks
+from solvers.elastic_kernel import element_stresses
+from solvers.elements import HEXAHEDRON_EDGES, STRESS_ORDER, Space, tabulate
+from solvers.materials import Material
+from solvers.rules import space_rule
 
 __all__ = [
     "PointStress",
@@ -49,14 +53,14 @@ class StressMeasures:
 
 
 def point_stress(
-    space: Space, elasticity: FloatArray, *, displacement: FloatArray, order: int | None = None
+    space: Space, material: Material, *, displacement: FloatArray, order: int | None = None
 ) -> PointStress:
     """Stresses of a displacement field at the points of a quadrature rule.
 
     Parameters
     ----------
     space : Space
-    elasticity : (6, 6) float array, Pa
+    material : Material
     displacement : (m, 3) float array, m
         At the space's points.
     order : int, optional
@@ -66,21 +70,32 @@ def point_stress(
     Returns
     -------
     points : PointStress
+
+    Raises
+    ------
+    InputError
+        If an element is folded or has no volume.
     """
-    table = tabulate(space.kind, order or STRESS_ORDER[space.kind])
-    shape = len(space.connectivity), len(table.weights)
+    body = elastic_body(space, material)
+    rule = space_rule(space, order or STRESS_ORDER[space.kind])
+    shape = len(space.connectivity), len(rule.weights)
     stress, volume = np.empty((*shape, 6)), np.empty(shape)
-    for batch in batches(len(space.connectivity)):
-        gradients, volume[batch] = element_gradients(space, table, batch)
-        u = displacement[space.connectivity[batch]].reshape(len(gradients), 1, -1, 1)
-        stress[batch] = (strain_matrix(gradients) @ u)[..., 0] @ elasticity
+
+    def elements(part: slice) -> None:
+        element_stresses(body, rule, part.start, displacement, stress[part], volume[part])
+
+    for _ in in_chunks(len(stress), elements):
+        pass
     # The mid-edge points follow the mapping, so the displacement functions carry the geometry as well.
-    location = table.values @ space.points[space.connectivity]
+    location = rule.values @ space.points[space.connectivity]
     return PointStress(stress=stress, volume=volume, location=location)
 
 
 def nodal_stress(mesh: VolumeMesh, points: PointStress) -> FloatArray:
     """Stresses at the mesh's nodes: extrapolated in each element, then averaged over the elements.
+
+    The nodes in the middle of the edges of a 20-node hexahedron take the mean of those at its ends: the
+    2 x 2 x 2 points tell no more than what varies linearly along an edge.
 
     Parameters
     ----------
@@ -97,7 +112,10 @@ def nodal_stress(mesh: VolumeMesh, points: PointStress) -> FloatArray:
     total = np.zeros((len(mesh.nodes), 6))
     np.add.at(total, mesh.elements, at_nodes)
     count = np.bincount(mesh.elements.ravel(), minlength=len(mesh.nodes))
-    return total / count[:, None]
+    stress: FloatArray = total / count[:, None]
+    if mesh.kind is ElementKind.HEXAHEDRON20:
+        stress[mesh.elements[:, 8:]] = stress[mesh.elements[:, HEXAHEDRON_EDGES]].mean(axis=2)
+    return stress
 
 
 def principal_stress(stress: ArrayLike) -> FloatArray:

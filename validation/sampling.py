@@ -39,6 +39,11 @@ HEX_CORNERS = np.array(
 )
 """Natural coordinates of a hexahedron's nodes in VTK's order."""
 
+HEX_EDGES = np.array(
+    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]]
+)
+"""Corners beside the midside nodes 8 to 19 of a quadratic hexahedron in VTK's order."""
+
 TETRA_EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
 """Corners beside the midside nodes 4 to 9 of a quadratic tetrahedron in VTK's order."""
 
@@ -141,7 +146,7 @@ def interpolate(
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Evaluate a field given at the nodes where the points lie in the mesh.
 
-    Quadratic tetrahedra are taken to have straight edges, as those of a plane-faced wall have.
+    Quadratic elements are taken to have straight edges, as those of a plane-faced wall have.
 
     Parameters
     ----------
@@ -158,7 +163,7 @@ def interpolate(
         Which these are.
     """
     point, element = _near(mesh, points)
-    corners = mesh.nodes[mesh.elements[element]]
+    corners = mesh.nodes[mesh.elements[element, : _corners(mesh.kind)]]
     natural, excess = _natural(mesh.kind, corners, points[point])
     order = np.lexsort((excess, point))
     best = order[np.unique(point[order], return_index=True)[1]]
@@ -196,10 +201,10 @@ def _natural(kind: ElementKind, corners: FloatArray, points: FloatArray) -> tupl
                 break
         # The last step says how well the map is inverted, in the same unit as the excess.
         last = np.abs(_solve(jacobian, points - _map(kind, corners, natural)[0])).max(axis=1)
-    if kind is ElementKind.HEXAHEDRON:
-        excess = np.abs(natural).max(axis=1) - 1.0
-    else:
+    if kind is ElementKind.TETRA10:
         excess = np.maximum(-natural.min(axis=1), natural.sum(axis=1) - 1.0)
+    else:
+        excess = np.abs(natural).max(axis=1) - 1.0
     return natural, np.maximum(excess, np.where(last <= INSIDE, -1.0, np.inf))
 
 
@@ -211,9 +216,14 @@ def _solve(jacobian: FloatArray, right: FloatArray) -> FloatArray:
     return solution
 
 
+def _corners(kind: ElementKind) -> int:
+    """Number of an element's corners, which come first among its nodes."""
+    return 4 if kind is ElementKind.TETRA10 else 8
+
+
 def _centre(kind: ElementKind) -> FloatArray:
     """Natural coordinates (1, 3) of an element's centre."""
-    return np.full((1, 3), 0.0 if kind is ElementKind.HEXAHEDRON else 0.25)
+    return np.full((1, 3), 0.25 if kind is ElementKind.TETRA10 else 0.0)
 
 
 def _map(kind: ElementKind, corners: FloatArray, natural: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -228,21 +238,30 @@ def _map(kind: ElementKind, corners: FloatArray, natural: FloatArray) -> tuple[F
 
 
 def _shape(kind: ElementKind, natural: FloatArray) -> FloatArray:
-    """Shape functions (p, 8) or (p, 10) at natural coordinates (p, 3)."""
+    """Shape functions (p, 8), (p, 20) or (p, 10) at natural coordinates (p, 3)."""
+    if kind is ElementKind.TETRA10:
+        bary = np.column_stack([1.0 - natural.sum(axis=1), natural])
+        middle = 4.0 * bary[:, TETRA_EDGES[:, 0]] * bary[:, TETRA_EDGES[:, 1]]
+        return np.hstack([bary * (2.0 * bary - 1.0), middle])
+    trilinear: FloatArray = (1.0 + natural[:, None] * HEX_CORNERS).prod(axis=2) / 8.0
     if kind is ElementKind.HEXAHEDRON:
-        values: FloatArray = (1.0 + natural[:, None] * HEX_CORNERS).prod(axis=2) / 8.0
-        return values
-    bary = np.column_stack([1.0 - natural.sum(axis=1), natural])
-    middle = 4.0 * bary[:, TETRA_EDGES[:, 0]] * bary[:, TETRA_EDGES[:, 1]]
-    return np.hstack([bary * (2.0 * bary - 1.0), middle])
+        return trilinear
+    # On the reference edge between two corners their trilinear functions are (1 - t)/2 and (1 + t)/2 with
+    # the same two factors across, so that of the middle, (1 - t²) times these factors, is 2 (1 + t) times
+    # the first one; each corner gives half of it back along its three edges.
+    start, end = HEX_EDGES.T
+    along = (natural @ (HEX_CORNERS[end] - HEX_CORNERS[start]).T) / 2.0
+    middle = 2.0 * (1.0 + along) * trilinear[:, start]
+    at_corner = (HEX_EDGES[:, :, None] == np.arange(8)).any(axis=1)
+    return np.hstack([trilinear - 0.5 * middle @ at_corner, middle])
 
 
 def _at_centres(response: Response) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Centres (e, 3) of the elements, their volumes (e,) and displacements (e, 3) there."""
     mesh = response.mesh
     natural = np.repeat(_centre(mesh.kind), len(mesh.elements), axis=0)
-    place, jacobian = _map(mesh.kind, mesh.nodes[mesh.elements], natural)
-    volume = np.linalg.det(jacobian) * (8.0 if mesh.kind is ElementKind.HEXAHEDRON else 1.0 / 6.0)
+    place, jacobian = _map(mesh.kind, mesh.nodes[mesh.elements[:, : _corners(mesh.kind)]], natural)
+    volume = np.linalg.det(jacobian) * (1.0 / 6.0 if mesh.kind is ElementKind.TETRA10 else 8.0)
     if not (volume > 0.0).all():
         msg = (
             f"{int((volume <= 0.0).sum())} of the reference's {len(volume)} elements "

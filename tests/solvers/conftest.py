@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from exported_meshes import hexahedra20
 from numpy.typing import NDArray
 
 from fd2fem.model import ElementKind, VolumeMesh
@@ -63,12 +64,13 @@ def tetrahedra() -> Callable[[VolumeMesh], VolumeMesh]:
     return _tetrahedra
 
 
-@pytest.fixture(scope="session", params=["hexahedron", "tetra10"])
+@pytest.fixture(scope="session", params=["hexahedron", "hexahedron20", "tetra10"])
 def make_mesh(request: pytest.FixtureRequest) -> MakeGrid:
-    """Grid of hexahedra, or the same cut into tetrahedra."""
+    """Grid of hexahedra, of 20-node hexahedra, or the same cut into tetrahedra."""
     if request.param == "hexahedron":
         return _grid
-    return lambda *planes, **options: _tetrahedra(_grid(*planes, **options))
+    change = hexahedra20 if request.param == "hexahedron20" else _tetrahedra
+    return lambda *planes, **options: change(_grid(*planes, **options))
 
 
 @pytest.fixture(scope="session")

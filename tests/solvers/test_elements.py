@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from exported_meshes import hexahedra20
 
 from fd2fem.errors import InputError
 from fd2fem.model import ElementKind, VolumeMesh
 from solvers.elements import displacement_space, tabulate
 
-KINDS = [(ElementKind.HEXAHEDRON, 5, 27), (ElementKind.TETRA10, 2, 4)]
-REFERENCE_VOLUME = {ElementKind.HEXAHEDRON: 1.0, ElementKind.TETRA10: 1 / 6}
+KINDS = [(ElementKind.HEXAHEDRON, 5, 27), (ElementKind.HEXAHEDRON20, 5, 27), (ElementKind.TETRA10, 2, 4)]
+REFERENCE_VOLUME = {ElementKind.HEXAHEDRON: 1.0, ElementKind.HEXAHEDRON20: 1.0, ElementKind.TETRA10: 1 / 6}
 
 # Nodes 9 to 20 of a C3D20, each with the pair it lies between (CalculiX manual, twenty-node brick).
 C3D20_EDGES = [(1, 2), (2, 3), (3, 4), (4, 1), (5, 6), (6, 7), (7, 8), (8, 5), (1, 5), (2, 6), (3, 7), (4, 8)]
@@ -49,7 +50,7 @@ def test_functions_reproduce_a_quadratic_field(kind, order, count):
     assert np.allclose(table.gradients @ _quadratic(nodes), _quadratic_gradient(points), atol=1e-13)
 
 
-@pytest.mark.parametrize(("kind", "order", "count"), [(KINDS[0][0], 3, 8), KINDS[1]])
+@pytest.mark.parametrize(("kind", "order", "count"), [(KINDS[0][0], 3, 8), (KINDS[1][0], 3, 8), KINDS[2]])
 def test_extrapolation_of_a_linear_field(kind, order, count):
     table = tabulate(kind, order)
     nodes = _reference_nodes(kind)
@@ -77,11 +78,24 @@ def test_neighbours_share_points_and_the_base_has_its_edges(grid):
     assert np.array_equal(space.base, np.flatnonzero(space.points[:, 2] == 0.0))
 
 
-def test_tetrahedra_carry_their_own_nodes(grid, tetrahedra):
-    mesh = tetrahedra(grid([0, 1], [0, 1], [0, 1]))
+@pytest.mark.parametrize("kind", ["hexahedron20", "tetra10"])
+def test_quadratic_elements_carry_their_own_nodes(grid, tetrahedra, kind):
+    change = tetrahedra if kind == "tetra10" else hexahedra20
+    mesh = change(grid([0, 1, 3], [0, 1], [0, 1]))
     space = displacement_space(mesh)
+    assert np.array_equal(space.points, mesh.nodes)
     assert np.array_equal(space.connectivity, mesh.elements)
     assert np.array_equal(space.base, np.flatnonzero(space.points[:, 2] == 0.0))
+
+
+def test_a_quadratic_map_may_bend():
+    # The reference cube pulled into a barrel, x = X (1 + Z (1 - Z)): det J = 1 + Z (1 - Z), volume 7/6.
+    nodes = _reference_nodes(ElementKind.HEXAHEDRON20)
+    x, y, z = nodes.T
+    bent = np.column_stack([x * (1 + z * (1 - z)), y, z])
+    table = tabulate(ElementKind.HEXAHEDRON20, 5)
+    determinant = np.linalg.det(table.geometry_gradients @ bent)
+    assert determinant @ table.weights == pytest.approx(7 / 6)
 
 
 def test_a_mesh_needs_a_base(grid):

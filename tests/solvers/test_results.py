@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from exported_meshes import hexahedra20
 
 from fd2fem.errors import InputError
 from solvers.elasticity import analyse
@@ -50,9 +51,10 @@ def test_nothing_else_is_left(folder):
     assert sorted(path.name for path in folder.iterdir()) == ["response.json", "response.vtu"]
 
 
-@pytest.mark.parametrize("kind", ["hexahedron", "tetra10"])
+@pytest.mark.parametrize("kind", ["hexahedron", "hexahedron20", "tetra10"])
 def test_what_is_read_back_is_what_was_written(kind, punched_wall, tetrahedra, tmp_path):
-    response = analyse(punched_wall if kind == "hexahedron" else tetrahedra(punched_wall))
+    change = {"hexahedron": lambda mesh: mesh, "hexahedron20": hexahedra20, "tetra10": tetrahedra}[kind]
+    response = analyse(change(punched_wall))
     write_response(response, tmp_path)
     again = read_response(tmp_path)
     for name in ("displacement", "stress", "principal_stress", "reaction"):
@@ -90,6 +92,22 @@ def test_vtk_reads_the_fields(response, folder):
     assert vtk_to_numpy(cells.GetArray("sigma1"))[0] == pytest.approx(
         response.principal_stress[first, 0].mean()
     )
+
+
+def test_vtk_reads_20_node_elements(punched_wall, tmp_path):
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkCommonDataModel import VTK_QUADRATIC_HEXAHEDRON
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+
+    response = analyse(hexahedra20(punched_wall))
+    write_response(response, tmp_path)
+    reader = vtkXMLUnstructuredGridReader()
+    reader.SetFileName(str(tmp_path / "response.vtu"))
+    reader.Update()
+    grid = reader.GetOutput()
+    assert {grid.GetCellType(k) for k in range(grid.GetNumberOfCells())} == {VTK_QUADRATIC_HEXAHEDRON}
+    found = vtk_to_numpy(grid.GetPointData().GetArray("displacement"))
+    assert np.array_equal(found, response.displacement)
 
 
 def _edit(folder, **changes):

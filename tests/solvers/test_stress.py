@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from exported_meshes import hexahedra20
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -70,6 +71,14 @@ def test_compression_counts_as_sigma1_of_zero():
 def test_nodes_average_their_elements(grid):
     # Two bricks with uniform stress of 1 and 3 Pa: 2 Pa on the shared facet.
     mesh = grid([0, 1, 2], [0, 1], [0, 1])
+    stress = np.zeros((2, 8, 6))
+    stress[0, :, 2], stress[1, :, 2] = 1.0, 3.0
+    points = PointStress(stress=stress, volume=np.full((2, 8), 0.125), location=np.zeros((2, 8, 3)))
+    assert np.allclose(nodal_stress(mesh, points)[:, 2], 1.0 + mesh.nodes[:, 0])
+
+
+def test_middles_of_edges_take_the_mean_of_their_ends(grid):
+    mesh = hexahedra20(grid([0, 1, 2], [0, 1], [0, 1]))
     stress = np.zeros((2, 8, 6))
     stress[0, :, 2], stress[1, :, 2] = 1.0, 3.0
     points = PointStress(stress=stress, volume=np.full((2, 8), 0.125), location=np.zeros((2, 8, 3)))

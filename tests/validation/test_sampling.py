@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from exported_meshes import hexahedra20
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
@@ -76,6 +77,14 @@ def test_quadratic_field_is_exact_on_tetrahedra(cube_of_tets):
     assert values == pytest.approx(quadratic(points), abs=1e-12)
 
 
+def test_quadratic_field_is_exact_on_20_node_bricks(grid_mesh):
+    mesh = hexahedra20(grid_mesh([0, 1, 4], [0, 0.3], [0, 2, 2.5], holes=[(1, 1)]))
+    points = np.random.default_rng(2).uniform([0, 0, 0], [4, 0.3, 2], (300, 3))
+    values, inside = interpolate(mesh, quadratic(mesh.nodes), points)
+    assert inside.all()
+    assert values == pytest.approx(quadratic(points), abs=1e-12)
+
+
 def test_points_in_an_opening_or_outside_are_left_out(grid_mesh):
     mesh = grid_mesh([0, 1, 2, 3], [0, 0.4], [0, 1, 2, 3], holes=[(1, 1)])
     points = np.array([[1.5, 0.2, 1.5], [0.5, 0.2, 0.5], [0.5, 0.5, 0.5], [3.2, 0.2, 1.0], [2.99, 0.4, 2.0]])
@@ -90,10 +99,12 @@ def test_no_point_near(grid_mesh):
     assert (values.shape, inside.tolist()) == ((0, 3), [False])
 
 
+@pytest.mark.parametrize("nodes", [8, 20])
 @pytest.mark.parametrize("swap", [True, False])
-def test_hexahedra_and_tetrahedra_of_one_cube_agree(grid_mesh, response_on, cube_of_tets, swap):
+def test_hexahedra_and_tetrahedra_of_one_cube_agree(grid_mesh, response_on, cube_of_tets, swap, nodes):
+    cube = grid_mesh([0, 0.4, 1], [0, 1], [0, 0.5, 1])
     models = [
-        response_on(grid_mesh([0, 0.4, 1], [0, 1], [0, 0.5, 1]), linear),
+        response_on(cube if nodes == 8 else hexahedra20(cube), linear),
         response_on(cube_of_tets, linear),
     ]
     candidate, reference = models[::-1] if swap else models
@@ -167,7 +178,11 @@ def test_weights_count_as_copies_of_points():
 
 @pytest.mark.parametrize(
     ("kind", "name", "scale"),
-    [(ElementKind.HEXAHEDRON, "vtkHexahedron", 1.0), (ElementKind.TETRA10, "vtkQuadraticTetra", 0.3)],
+    [
+        (ElementKind.HEXAHEDRON, "vtkHexahedron", 1.0),
+        (ElementKind.HEXAHEDRON20, "vtkQuadraticHexahedron", 1.0),
+        (ElementKind.TETRA10, "vtkQuadraticTetra", 0.3),
+    ],
 )
 def test_one_element_is_vtks(grid_mesh, kind, name, scale):
     # VTK evaluates place and weights from its own parametric coordinates, 0 to 1 in both kinds.
@@ -175,9 +190,11 @@ def test_one_element_is_vtks(grid_mesh, kind, name, scale):
     from vtkmodules.vtkCommonCore import reference
 
     rng = np.random.default_rng(6)
-    if kind is ElementKind.HEXAHEDRON:
+    if kind is not ElementKind.TETRA10:
         box = grid_mesh([0, 1], [0, 0.5], [0, 2])
-        nodes = (box.nodes + rng.uniform(-0.1, 0.1, (8, 3)))[box.elements[0]]
+        warped = VolumeMesh(box.nodes + rng.uniform(-0.1, 0.1, (8, 3)), box.elements, box.kind, {})
+        warped = hexahedra20(warped) if kind is ElementKind.HEXAHEDRON20 else warped
+        nodes = warped.nodes[warped.elements[0]]
     else:
         nodes = tetra10(np.array([[0, 0, 0], [2, 0.1, 0], [0.2, 1, 0], [0.3, 0.2, 3]]), [(0, 1, 2, 3)]).nodes
     mesh = VolumeMesh(nodes, [range(len(nodes))], kind, {})
