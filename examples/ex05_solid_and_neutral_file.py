@@ -28,7 +28,7 @@ voxels = voxelise(facade, max_size=0.5)
 solid = solid_from_voxels(voxels)
 
 with TemporaryDirectory() as folder:
-    report = write_solid(voxels, Path(folder), options=SolidOptions(anf_order=2))
+    report = write_solid(facade, voxels, Path(folder), options=SolidOptions(anf_order=2))
     anf_volume = float(solid_volumes(read_anf(Path(folder) / report.anf)).sum())
     back = facade_from_step(Path(folder) / report.step)
     sizes = {name: (Path(folder) / name).stat().st_size for name in (report.step, report.anf, report.apdl)}

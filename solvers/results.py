@@ -10,11 +10,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from fd2fem.errors import InputError
 from fd2fem.model import ElementKind, Response, VolumeMesh
 from fd2fem.model.checks import as_array
+from solvers.vtu_files import point_fields, write_vtu
 
 if TYPE_CHECKING:
     import meshio
@@ -56,34 +55,30 @@ def response_to_dict(response: Response) -> dict[str, Any]:
         },
         "solver": dict(response.solver),
         "timings_s": dict(response.timings),
+        "history": [dict(step) for step in response.history],
+        "damage": dict(response.damage),
     }
 
 
 def write_response(response: Response, folder: Path) -> None:
     """Write ``response.vtu`` and then ``response.json`` into a folder, which is made if need be.
 
-    The fields are displacement (m), stress (Pa: xx, yy, zz, xy, yz, xz) and principal_stress (Pa) at
-    the nodes, and sigma1 (Pa), the mean over the element's nodes. Each file appears under its name
-    only when it is whole.
+    The fields at the nodes are displacement (m), stress (Pa: xx, yy, zz, xy, yz, xz), principal_stress (Pa)
+    and the directions of the first and the third principal stress; those of the elements sigma1 (Pa), the
+    mean over the nodes, and crack_opening (m), crack_normal and dissipation (J). Each file appears under its
+    name only when it is whole.
     """
-    import meshio
-
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    sigma1 = response.principal_stress[response.mesh.elements, 0].mean(axis=1)
-    grid = meshio.Mesh(
-        response.mesh.nodes,
-        [(response.mesh.kind.value, response.mesh.elements.astype(np.int64))],
-        point_data={
-            "displacement": response.displacement,
-            "stress": response.stress,
-            "principal_stress": response.principal_stress,
-        },
-        cell_data={"sigma1": [sigma1]},
-    )
-    fields = folder / f"{FIELDS}.part"
-    grid.write(fields, file_format="vtu")
-    fields.replace(folder / FIELDS)
+    cells = {
+        "sigma1": response.principal_stress[response.mesh.elements, 0].mean(axis=1),
+        "crack_opening": response.crack_opening,
+        "crack_normal": response.crack_normal,
+        "dissipation": response.dissipation,
+    }
+    points = point_fields(response.displacement, response.stress)
+    points["principal_stress"] = response.principal_stress
+    write_vtu(folder / FIELDS, response.mesh, points=points, cells=cells)
     figures = folder / f"{FIGURES}.part"
     text = json.dumps(response_to_dict(response), indent=2, allow_nan=False)
     figures.write_text(text + "\n", encoding="utf-8")
@@ -130,6 +125,11 @@ def _assemble_response(figures: dict[str, Any], grid: "meshio.Mesh") -> Response
         dofs=figures["mesh"]["dofs"],
         solver=figures["solver"],
         timings=figures["timings_s"],
+        crack_opening=grid.cell_data["crack_opening"][0],
+        crack_normal=grid.cell_data["crack_normal"][0],
+        dissipation=grid.cell_data["dissipation"][0],
+        history=tuple(figures["history"]),
+        damage=figures["damage"],
         **(named | {"damage_class": int(named["damage_class"])}),
     )
 
