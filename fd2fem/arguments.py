@@ -58,11 +58,13 @@ def build_parser() -> argparse.ArgumentParser:
     rebuild = command("reconstruct", "a scan to facade.json")
     _scan_arguments(rebuild)
 
-    solid = command("solid", "a facade to STEP, ANSYS neutral file and APDL deck")
+    solid = command("solid", "a facade to STEP, ANSYS neutral file and APDL decks")
     _facade_arguments(solid, "FACADE")
+    _solid_arguments(solid)
 
-    mesh = command("mesh", "a facade or STEP solid to a mesh; format by suffix")
+    mesh = command("mesh", "a facade or CAD solid to a mesh; format by suffix")
     mesh.add_argument("facade", metavar="FACADE|STEP", help=FACADE_HELP)
+    _mesh_arguments(mesh)
     mesh.add_argument(
         "-o", "--output", type=Path, required=True, metavar="FILE", help=".msh, .vtu, .inp, .cdb or .med"
     )
@@ -70,6 +72,7 @@ def build_parser() -> argparse.ArgumentParser:
 
     analysis = command("analyse", "settlement analysis of a facade or a mesh")
     _facade_arguments(analysis, "FACADE|MESH")
+    _analysis_arguments(analysis)
 
     compare = command("compare", "a candidate against a reference: facades or analysed folders")
     compare.add_argument("candidate", metavar="CANDIDATE", help="facade or analysed folder")
@@ -122,6 +125,51 @@ def _facade_arguments(parser: argparse.ArgumentParser, name: str) -> None:
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="DIR", help="folder for the results"
     )
+
+
+def _analysis_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--state",
+        type=Path,
+        metavar="FILE",
+        help="keep each step of a wall that cracks in this file, and go on from it if it is there",
+    )
+    parser.add_argument(
+        "--check",
+        choices=["calculix"],
+        help="have another program analyse the same mesh under the same loads, and compare",
+    )
+
+
+def _solid_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--form",
+        choices=["merged", "voxels"],
+        help="what facade.step holds: the wall as one solid (default), or each voxel as one",
+    )
+    parser.add_argument(
+        "--also", choices=["iges", "brep"], action="append", help="a further CAD format; repeat for both"
+    )
+    parser.add_argument(
+        "--anf-order",
+        type=int,
+        choices=[2, 4],
+        help="order of the neutral file's lines and areas (default 2; 4: 4 and 16 control points)",
+    )
+
+
+def _mesh_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--size", type=float, metavar="M", help="element edge (default from the wall)")
+    parser.add_argument(
+        "--order",
+        type=int,
+        choices=[1, 2],
+        help="1: nodes at corners only; 2: 20-node hexahedra (default: 2 in .inp, else 1)",
+    )
+    parser.add_argument(
+        "--elements", choices=["hexahedra", "tetrahedra"], help="of a facade (default hexahedra)"
+    )
+    parser.add_argument("--corner-size", type=float, metavar="M", help="element edge at corners of openings")
 
 
 def _simulation_arguments(parser: argparse.ArgumentParser) -> None:

@@ -4,7 +4,7 @@ import difflib
 import json
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_type_hints
 
@@ -12,14 +12,32 @@ from fd2fem.errors import InputError
 from fd2fem.meshing import MeshOptions
 from fd2fem.reconstruction import ReconstructionOptions
 from fd2fem.solids import SolidOptions
-from solvers import AnalysisOptions, LinearSettlement, Material, PeckTrough
+from solvers import (
+    AnalysisOptions,
+    BaseOptions,
+    LengthUnit,
+    LinearSettlement,
+    MasonryLaw,
+    Material,
+    PeckTrough,
+    Settlement,
+    SettlementTable,
+    SettlementTrough,
+    SteppingOptions,
+    read_settlement_table,
+)
 from validation import ComparisonOptions
 
 __all__ = ["PipelineOptions", "options_from_dict", "read_options"]
 
 T = TypeVar("T")
 
-SETTLEMENTS: dict[str, type] = {"linear": LinearSettlement, "peck": PeckTrough}
+SETTLEMENTS: dict[str, type] = {
+    "linear": LinearSettlement,
+    "table": SettlementTable,
+    "peck": PeckTrough,
+    "trough": SettlementTrough,
+}
 """Kinds of settlement by the name that the configuration gives them."""
 PLAIN: dict[str, type] = {
     "reconstruction": ReconstructionOptions,
@@ -28,6 +46,13 @@ PLAIN: dict[str, type] = {
     "comparison": ComparisonOptions,
 }
 """Sections that are a record of options by themselves."""
+PARTS: dict[str, type] = {
+    "material": Material,
+    "masonry": MasonryLaw,
+    "base": BaseOptions,
+    "stepping": SteppingOptions,
+}
+"""Sections that are a part of the options of the analysis."""
 
 
 @dataclass(frozen=True)
@@ -45,8 +70,10 @@ def read_options(path: Path) -> PipelineOptions:
     """Read a configuration file.
 
     Sections: ``[reconstruction]``, ``[solid]``, ``[mesh]``, ``[material]``, ``[settlement]`` (with ``kind``
-    ``"linear"`` or ``"peck"``), ``[analysis]``, ``[comparison]``; their keys are the fields of the records
-    of options. What is left out keeps its default.
+    ``"linear"``, ``"table"``, ``"peck"`` or ``"trough"``), ``[analysis]``, ``[comparison]``; their keys are
+    the fields of the records of options. What is left out keeps its default. A table of settlements is given
+    by its columns, or as a ``file`` beside the configuration. ``[masonry]``, even an empty one, makes the
+    wall crack; ``[base]`` is the joint under it, ``[stepping]`` how the settlement is applied.
 
     Raises
     ------
@@ -61,18 +88,27 @@ def read_options(path: Path) -> PipelineOptions:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         msg = f"The configuration {path} is not TOML: {error}."
         raise InputError(msg) from error
-    return options_from_dict(data, source=str(path))
+    return options_from_dict(data, source=str(path), folder=path.parent)
 
 
-def options_from_dict(data: Mapping[str, Any], *, source: str) -> PipelineOptions:
+def options_from_dict(data: Mapping[str, Any], *, source: str, folder: Path = Path()) -> PipelineOptions:
     """Check the sections of a configuration and build the options.
+
+    Parameters
+    ----------
+    data : mapping
+        Content of the file.
+    source : str
+        File that a message names.
+    folder : Path
+        Where the files that it names lie.
 
     Examples
     --------
     >>> options_from_dict({"mesh": {"size": 0.2}}, source="example").mesh.size
     0.2
     """
-    known = {*PLAIN, "material", "settlement", "analysis"}
+    known = {*PLAIN, *PARTS, "settlement", "analysis"}
     for name, section in data.items():
         if name not in known:
             msg = f"{source}: unknown section [{name}]{_closest(name, known)}."
@@ -83,37 +119,49 @@ def options_from_dict(data: Mapping[str, Any], *, source: str) -> PipelineOption
     chosen: dict[str, Any] = {
         name: _record(cls, data[name], f"{source}: [{name}]") for name, cls in PLAIN.items() if name in data
     }
-    parts: dict[str, Any] = {}
-    if "material" in data:
-        parts["material"] = _record(Material, data["material"], f"{source}: [material]")
+    parts: dict[str, Any] = {
+        name: _record(cls, data[name], f"{source}: [{name}]") for name, cls in PARTS.items() if name in data
+    }
     if "settlement" in data:
-        parts["settlement"] = _settlement(data["settlement"], f"{source}: [settlement]")
+        parts["settlement"] = _settlement(data["settlement"], f"{source}: [settlement]", folder)
     if "analysis" in data or parts:
         chosen["analysis"] = _analysis(data.get("analysis", {}), parts, f"{source}: [analysis]")
     return PipelineOptions(**chosen)
 
 
-def _settlement(section: Mapping[str, Any], where: str) -> object:
+def _settlement(section: Mapping[str, Any], where: str, folder: Path) -> Settlement:
     """The settlement record that ``kind`` names."""
     values = dict(section)
     kind = values.pop("kind", "linear")
     if not isinstance(kind, str) or kind not in SETTLEMENTS:
-        msg = f"{where}: kind is {kind!r}, expected {' or '.join(map(repr, SETTLEMENTS))}."
+        *first, last = map(repr, SETTLEMENTS)
+        msg = f"{where}: kind is {kind!r}, expected {', '.join(first)} or {last}."
         raise InputError(msg)
-    return _record(SETTLEMENTS[kind], values, where)
+    if kind == "table" and "file" in values:
+        return _table(values, where, folder)
+    record: Settlement = _record(SETTLEMENTS[kind], values, where)
+    return record
+
+
+def _table(values: Mapping[str, Any], where: str, folder: Path) -> SettlementTable:
+    """The settlement table in a file of its own."""
+    _check_keys(values, {"file", "unit"}, where)
+    unit, units = values.get("unit", "m"), [unit.value for unit in LengthUnit]
+    if unit not in units or not isinstance(values["file"], str):
+        msg = f'{where}: expected file = "name of a CSV file" and unit = {" or ".join(map(repr, units))}.'
+        raise InputError(msg)
+    return read_settlement_table(folder / values["file"], unit=LengthUnit(unit))
 
 
 def _analysis(section: Mapping[str, Any], parts: dict[str, Any], where: str) -> AnalysisOptions:
-    """The options of the analysis: `parts` come from sections of their own, gravity from this one."""
-    _check_keys(section, {"gravity"}, where)
-    gravity = section.get("gravity", AnalysisOptions.gravity)
-    if isinstance(gravity, bool) or not isinstance(gravity, int | float):
-        msg = f"{where}: gravity: expected a number, got {gravity!r}."
-        raise InputError(msg)
+    """The options of the analysis: `parts` come from sections of their own, the others from this one."""
+    own = {entry.name for entry in fields(AnalysisOptions)} - {*PARTS, "settlement"}
+    _check_keys(section, own, where)
     try:
-        return AnalysisOptions(gravity=float(gravity), **parts)
+        return replace(_record(AnalysisOptions, section, where), **parts)
     except InputError as error:
-        msg = f"{where}: {error}"
+        text = str(error)
+        msg = text if text.startswith(where) else f"{where}: {text}"
         raise InputError(msg) from error
 
 
@@ -143,9 +191,11 @@ def _record(cls: type[T], values: Mapping[str, Any], where: str) -> T:
 
 
 def _check_tables(cls: type, values: Mapping[str, Any], where: str) -> None:
-    """Check the keys of a list of tables, whose record the field of `cls` names."""
+    """Check the keys of tables, and of lists of them, whose record the field of `cls` names."""
     hints = get_type_hints(cls)
     for name, value in values.items():
+        if isinstance(value, Mapping) and is_dataclass(hints[name]):
+            _check_keys(value, {one.name for one in fields(hints[name])}, f"{where}: {name}")
         entry = next(iter(get_args(hints[name])), None)
         if not (isinstance(value, list) and is_dataclass(entry)):
             continue

@@ -11,6 +11,7 @@ import numpy as np
 from fd2fem.config import PipelineOptions
 from fd2fem.drawings import STAND_INS, read_facade, stand_in, write_facade
 from fd2fem.errors import InputError
+from fd2fem.exchange import write_facade_solid
 from fd2fem.meshing import mesh_facade, mesh_quality, mesh_step, read_mesh, write_mesh
 from fd2fem.model import (
     Comparison,
@@ -22,9 +23,8 @@ from fd2fem.model import (
     Response,
     RunResult,
     VolumeMesh,
-    VoxelModel,
 )
-from fd2fem.reconstruction import reconstruct, voxelise
+from fd2fem.reconstruction import reconstruct
 from fd2fem.report import write_report
 from fd2fem.scans import (
     Density,
@@ -37,14 +37,13 @@ from fd2fem.scans import (
     step_for_spacing,
     street_scene,
 )
-from fd2fem.solids import facade_from_step, write_solid
-from solvers import analyse, read_response, write_response
+from fd2fem.solids import CAD_SUFFIXES, facade_from_step
+from solvers import StepSeries, WallState, analyse, read_response, write_response
 from validation import NoCommonWallError, compare_facades, compare_responses, judge, write_comparison
 
 __all__ = [
     "analyse_file",
     "compare_models",
-    "facade_voxels",
     "load_cloud",
     "load_facade",
     "load_mesh",
@@ -59,7 +58,6 @@ Progress = Callable[[str], None]
 
 ORIGINAL_COUNTS = {"building1": 264_931, "building2": 190_865, "building3": 650_306}
 """Points of the original scans (NS00), table 1 of the paper."""
-STEP_SUFFIXES = {".step", ".stp"}
 
 
 def load_cloud(
@@ -73,7 +71,7 @@ def load_cloud(
 
 
 def load_facade(name: str) -> Facade:
-    """Read a facade by the name of a stand-in, or from facade.json, a TOML or DXF drawing or a STEP solid.
+    """Read a facade by the name of a stand-in, or from facade.json, a TOML or DXF drawing or a CAD solid.
 
     Raises
     ------
@@ -88,7 +86,7 @@ def load_facade(name: str) -> Facade:
         return stand_in(name)
     if path.is_dir():
         path = path / "facade.json"
-    if path.suffix.lower() in STEP_SUFFIXES:
+    if path.suffix.lower() in CAD_SUFFIXES:
         return facade_from_step(path)
     return read_facade(path)
 
@@ -207,13 +205,13 @@ def run(
     clock: dict[str, float] = {}
     progress(f"reconstructing the facade from {len(cloud):,} points")
     if reference is not None:
-        thickness = replace(options.reconstruction, thickness=reference.thickness)
-        options = replace(options, reconstruction=thickness)
+        like = replace(options.reconstruction, thickness=reference.thickness, storeys=reference.storeys)
+        options = replace(options, reconstruction=like)
     reconstruction = _timed(clock, "reconstruct", lambda: reconstruct(cloud, options=options.reconstruction))
     facade = reconstruction.facade
     write_facade(facade, folder / "facade.json")
     progress(f"building the solid: {len(facade.openings)} openings, {facade.wall_area:.2f} m² of wall")
-    solid = _timed(clock, "solid", lambda: write_solid(reconstruction.voxels, folder, options=options.solid))
+    solid = _timed(clock, "solid", lambda: write_facade_solid(facade, folder, options=options))
     progress("meshing")
     mesh = _timed(clock, "mesh", lambda: mesh_facade(facade, options=options.mesh))
     quality = mesh_quality(mesh)
@@ -244,24 +242,26 @@ def _reference(facade: Facade, folder: Path, options: PipelineOptions) -> Model:
     return Model(facade, response)
 
 
-def facade_voxels(facade: Facade, *, options: PipelineOptions) -> VoxelModel:
-    """The voxels of a facade that was read from a file."""
-    return voxelise(
-        facade,
-        max_size=options.reconstruction.voxel_limit,
-        tolerance=options.reconstruction.voxel_tolerance,
-    )
-
-
 def load_mesh(name: str, *, options: PipelineOptions) -> VolumeMesh:
-    """Mesh a facade (hexahedra) or any STEP solid (tetrahedra)."""
-    if Path(name).suffix.lower() in STEP_SUFFIXES:
+    """Mesh a facade, or any CAD solid (tetrahedra)."""
+    if Path(name).suffix.lower() in CAD_SUFFIXES:
         return mesh_step(Path(name), options=options.mesh)
     return mesh_facade(load_facade(name), options=options.mesh)
 
 
-def analyse_file(name: str, folder: Path, *, options: PipelineOptions, progress: Progress) -> Response:
-    """Analyse a facade or a mesh from a file and write the response (and the facade) to `folder`."""
+def analyse_file(
+    name: str,
+    folder: Path,
+    *,
+    options: PipelineOptions,
+    progress: Progress,
+    state: Path | None = None,
+) -> Response:
+    """Analyse a facade or a mesh from a file and write the response (and the facade) to `folder`.
+
+    A wall that cracks is followed in steps, which ParaView shows as ``response.pvd``; with `state`, a file,
+    an analysis that was stopped goes on from its last step.
+    """
     if Path(name).suffix.lower() == ".msh":
         mesh = read_mesh(Path(name))
     else:
@@ -270,7 +270,16 @@ def analyse_file(name: str, folder: Path, *, options: PipelineOptions, progress:
         progress("meshing")
         mesh = mesh_facade(facade, options=options.mesh)
     progress(f"analysing {len(mesh.elements):,} elements")
-    response = analyse(mesh, options=options.analysis)
+    series = StepSeries(folder, mesh)
+
+    def on_step(found: WallState) -> None:
+        series(found)
+        step = found.record
+        progress(
+            f"{100 * step.share:.1f} % of the settlement, cracks up to {1000 * step.max_crack_opening:.2f} mm"
+        )
+
+    response = analyse(mesh, options=options.analysis, state=state, on_step=on_step)
     write_response(response, folder)
     return response
 

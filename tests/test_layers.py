@@ -23,9 +23,11 @@ ALLOWED = {
     "fd2fem.output": {"fd2fem.errors"},
 }
 ALLOWED["fd2fem.config"] = RECORDS | {f"fd2fem.{stage}" for stage in STAGES} | {"solvers", "validation"}
-ALLOWED["fd2fem.pipeline"] = ALLOWED["fd2fem.config"] | {"fd2fem.config", "fd2fem.output"}
+ALLOWED["fd2fem.exchange"] = ALLOWED["fd2fem.config"] | {"fd2fem.config"}
+ALLOWED["fd2fem.pipeline"] = ALLOWED["fd2fem.exchange"] | {"fd2fem.exchange", "fd2fem.output"}
 ALLOWED["fd2fem.arguments"] = {"fd2fem.errors", "fd2fem"}  # fd2fem: the version
-ALLOWED["fd2fem.cli"] = ALLOWED["fd2fem.pipeline"] | {"fd2fem.pipeline", "fd2fem.arguments", "fd2fem"}
+ALLOWED["fd2fem.commands"] = ALLOWED["fd2fem.pipeline"] | {"fd2fem.pipeline"}
+ALLOWED["fd2fem.cli"] = {"fd2fem.errors", "fd2fem.arguments", "fd2fem.commands"}
 ALLOWED["fd2fem.__main__"] = {"fd2fem.cli"}
 
 HEAVY = (
