@@ -242,7 +242,7 @@ def test_gap_at_the_edge_of_the_wall_is_no_opening():
 def test_shapes_of_openings(tmp_path, inside, area, shape):
     facade = reconstruct(cut(facade_of(6.0, 5.0, []), keep=lambda x, z: ~inside(x, z))).facade
     assert [opening.evidence["shape"] for opening in facade.openings] == [shape]
-    # The arches of the issue: area within 1 %.
+    # Area within 1 %.
     assert facade.opening_area == pytest.approx(area, rel=0.01)
     # The arcs are those of a circle of 0.6 m about where it was cut, and they survive the file.
     (opening,) = facade.openings
