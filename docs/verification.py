@@ -16,6 +16,7 @@ HERE = Path(__file__).parent
 TESTS = HERE.parent / "tests"
 sys.path.insert(0, str(TESTS))
 
+# The cases are those of the tests, whose folder had to be put on the path first: hence E402.
 import elastic_benchmarks as elastic  # noqa: E402
 import masonry_benchmarks as masonry  # noqa: E402
 import material_point as point  # noqa: E402
