@@ -25,10 +25,10 @@ from solvers import (
     read_response,
     write_response,
 )
-from solvers.assembly import add_up, elastic_body, stiffness
-from solvers.elements import ElementType, Space, displacement_space
-from solvers.linear_solvers import SolverName
-from solvers.pattern import build_pattern
+from solvers.compiled.pattern import build_pattern
+from solvers.fem.assembly import add_up, elastic_body, stiffness
+from solvers.fem.elements import ElementType, Space, displacement_space
+from solvers.fem.linear_solvers import SolverName
 
 MESH_SIZE = 0.17
 """Element edge, m: about 43,000 unknowns in Building 1, in 20-node hexahedra."""
@@ -71,7 +71,7 @@ def assembly() -> None:
     difference = np.abs(own - other).max() / own.max()
     head(f"Stiffness matrix, {len(mesh.elements):,} 20-node hexahedra, {space.unknowns:,} unknowns")
     peer = timed(lambda: stock_stiffness(mesh))
-    row("solvers.assembly.stiffness", timed(lambda: stiffness(space, material), 3), "scikit-fem", peer)
+    row("solvers.fem.assembly.stiffness", timed(lambda: stiffness(space, material), 3), "scikit-fem", peer)
     body, prescribed = elastic_body(space, material), np.zeros(space.unknowns, dtype=bool)
     pattern = build_pattern(space.connectivity, points=len(space.points), prescribed=prescribed, upper=True)
     again = timed(lambda: add_up(body, pattern, np.zeros(space.unknowns)), 3)

@@ -22,9 +22,9 @@ import masonry_benchmarks as masonry  # noqa: E402
 import material_point as point  # noqa: E402
 
 from fd2fem.errors import ConvergenceError  # noqa: E402
-from solvers.elements import ElementType  # noqa: E402
-from solvers.settlement import PeckTrough, settlement_trough  # noqa: E402
-from solvers.stepping import StepMode, SteppingOptions  # noqa: E402
+from solvers.fem.elements import ElementType  # noqa: E402
+from solvers.ground.settlement import PeckTrough, settlement_trough  # noqa: E402
+from solvers.steps.stepping import StepMode, SteppingOptions  # noqa: E402
 
 PAGE = HERE / "verification.md"
 

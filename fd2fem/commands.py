@@ -12,7 +12,7 @@ from fd2fem.model import Comparison, Facade, PointCloud, RunResult
 
 if TYPE_CHECKING:
     from fd2fem.config import PipelineOptions
-    from solvers.calculix_check import CalculixCheck
+    from solvers.calculix.check import CalculixCheck
 
 __all__ = ["COMMANDS", "Command", "Summary"]
 
@@ -218,7 +218,7 @@ def _analyse(args: argparse.Namespace) -> tuple[int, Summary]:
     from fd2fem import exchange, pipeline
     from fd2fem.output import staged_folder
     from solvers import response_to_dict
-    from solvers.calculix_check import check_to_dict
+    from solvers.calculix.check import check_to_dict
 
     options, check = _options(args), None
     if args.check:

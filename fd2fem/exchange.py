@@ -8,9 +8,9 @@ from fd2fem.model import ElementKind, Facade, LoadCase, Response, VolumeMesh, Vo
 from fd2fem.reconstruction import voxelise
 from fd2fem.solids import SolidReport, write_solid
 from solvers import AnalysisOptions, analyse, base_displacement
-from solvers.calculix import find_calculix, run_calculix
-from solvers.calculix_check import CalculixCheck, comparable_element, compare_with_calculix, write_check
-from solvers.elements import ElementType
+from solvers.calculix.check import CalculixCheck, comparable_element, compare_with_calculix, write_check
+from solvers.calculix.files import find_calculix, run_calculix
+from solvers.fem.elements import ElementType
 
 __all__ = [
     "check_with_calculix",

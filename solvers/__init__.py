@@ -9,19 +9,16 @@ Then ``analyse(mesh, options=options)`` gives a :class:`~fd2fem.model.Response`.
 """
 
 from solvers.analysis import analyse
-from solvers.damage import (
+from solvers.damage.classes import (
     DamageClass,
     assess_damage,
     assessment_to_dict,
     crack_damage_class,
     strain_damage_class,
 )
-from solvers.equivalent_beam import beam_check_to_dict, equivalent_beam_check
-from solvers.masonry import MasonryLaw
-from solvers.materials import LameParameters, Material, elasticity_matrix, lame_parameters
-from solvers.options import AnalysisOptions
-from solvers.results import SCHEMA, read_response, response_to_dict, write_response
-from solvers.settlement import (
+from solvers.damage.equivalent_beam import beam_check_to_dict, equivalent_beam_check
+from solvers.fem.stress import principal_stress
+from solvers.ground.settlement import (
     FunctionSettlement,
     LengthUnit,
     LinearSettlement,
@@ -44,11 +41,14 @@ from solvers.settlement import (
     trough_volume,
     trough_width,
 )
-from solvers.stepping import StepMode, SteppingOptions
-from solvers.stress import principal_stress
-from solvers.supports import BaseKind, BaseOptions
+from solvers.masonry import MasonryLaw
+from solvers.materials import LameParameters, Material, elasticity_matrix, lame_parameters
+from solvers.options import AnalysisOptions
+from solvers.results import SCHEMA, read_response, response_to_dict, write_response
+from solvers.steps.stepping import StepMode, SteppingOptions
+from solvers.steps.supports import BaseKind, BaseOptions
+from solvers.steps.wall_state import WallState
 from solvers.vtu_files import StepSeries
-from solvers.wall_state import WallState
 
 __all__ = [
     "SCHEMA",

@@ -4,10 +4,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 from fd2fem.model import Response, VolumeMesh
-from solvers import elasticity
-from solvers.masonry_analysis import analyse_steps
+from solvers.fem import elasticity
 from solvers.options import AnalysisOptions
-from solvers.wall_state import WallState
+from solvers.steps.masonry_analysis import analyse_steps
+from solvers.steps.wall_state import WallState
 
 __all__ = ["analyse"]
 

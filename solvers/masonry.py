@@ -28,8 +28,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from fd2fem.errors import InputError
 from fd2fem.model.checks import as_array, check_positive
+from solvers.compiled.return_map import PointLaw
 from solvers.materials import Material, lame_parameters
-from solvers.return_map import PointLaw
 
 __all__ = [
     "MasonryLaw",

@@ -6,13 +6,13 @@ import numpy as np
 
 from fd2fem.errors import InputError
 from fd2fem.model import ElementKind
-from solvers.elements import ElementType
-from solvers.linear_solvers import SolverName
+from solvers.fem.elements import ElementType
+from solvers.fem.linear_solvers import SolverName
+from solvers.ground.settlement import LinearSettlement, Settlement
 from solvers.masonry import MasonryLaw
 from solvers.materials import Material
-from solvers.settlement import LinearSettlement, Settlement
-from solvers.stepping import SteppingOptions
-from solvers.supports import BaseKind, BaseOptions
+from solvers.steps.stepping import SteppingOptions
+from solvers.steps.supports import BaseKind, BaseOptions
 
 __all__ = ["AnalysisOptions", "element_of"]
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from fd2fem.errors import InputError
 from fd2fem.model import VolumeMesh
-from solvers.cracks import principal_axes
-from solvers.wall_state import WallState
+from solvers.damage.cracks import principal_axes
+from solvers.steps.wall_state import WallState
 
 __all__ = ["SERIES", "StepSeries", "point_fields", "write_vtu"]
 

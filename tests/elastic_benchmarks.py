@@ -5,13 +5,13 @@ from mapped_grids import graded, mapped_mesh
 from numpy.typing import ArrayLike, NDArray
 
 from fd2fem.model import ElementKind, VolumeMesh
-from solvers.assembly import elastic_body
-from solvers.elements import HEXAHEDRON_CORNERS, ElementType, displacement_space
-from solvers.equilibrium import assemble, solve
-from solvers.facet_loads import pressure_forces
+from solvers.fem.assembly import elastic_body
+from solvers.fem.elements import HEXAHEDRON_CORNERS, ElementType, displacement_space
+from solvers.fem.equilibrium import assemble, solve
+from solvers.fem.facet_loads import pressure_forces
+from solvers.fem.stress import nodal_stress, point_stress, principal_stress
+from solvers.fem.thermal_loads import held_stress, thermal_forces
 from solvers.materials import Material
-from solvers.stress import nodal_stress, point_stress, principal_stress
-from solvers.thermal_loads import held_stress, thermal_forces
 
 FloatArray = NDArray[np.float64]
 

@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers.assembly import elastic_body
-from solvers.elements import Space
-from solvers.equilibrium import Equilibrium, assemble, solve
-from solvers.linear_solvers import SolverName
+from solvers.fem.assembly import elastic_body
+from solvers.fem.elements import Space
+from solvers.fem.equilibrium import Equilibrium, assemble, solve
+from solvers.fem.linear_solvers import SolverName
 from solvers.materials import Material
 
 

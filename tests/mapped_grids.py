@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fd2fem.model import ElementKind, VolumeMesh
-from solvers.elements import HEXAHEDRON_CORNERS, HEXAHEDRON_EDGES
+from solvers.fem.elements import HEXAHEDRON_CORNERS, HEXAHEDRON_EDGES
 
 FloatArray = NDArray[np.float64]
 Mapping3 = Callable[[FloatArray], FloatArray]

@@ -9,18 +9,18 @@ from material_point import MASONRY, MATERIAL, NEVER
 from numpy.typing import NDArray
 
 from fd2fem.model import ElementKind, VolumeMesh
-from solvers.elements import STIFFNESS_ORDER
-from solvers.facet_loads import pressure_forces
-from solvers.kernels import Rule, element_gradients, element_volumes
+from solvers.compiled.cracking import Body, PointFields, Strengths
+from solvers.compiled.pattern import build_pattern
+from solvers.compiled.stiffness import Rule, element_gradients, element_volumes
+from solvers.fem.elements import STIFFNESS_ORDER
+from solvers.fem.facet_loads import pressure_forces
+from solvers.fem.rules import element_rule, incompatible_rule
 from solvers.masonry import FLOOR, MasonryLaw, point_law
-from solvers.masonry_kernel import Body, PointFields, Strengths
 from solvers.materials import Material
-from solvers.nonlinear import apply_settlement, at_rest
-from solvers.pattern import build_pattern
-from solvers.rules import element_rule, incompatible_rule
-from solvers.stepping import Snapshot, SteppingOptions
-from solvers.supports import Support
-from solvers.wall_model import Tangent, WallModel
+from solvers.steps.nonlinear import apply_settlement, at_rest
+from solvers.steps.stepping import Snapshot, SteppingOptions
+from solvers.steps.supports import Support
+from solvers.steps.wall_model import Tangent, WallModel
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from solvers.compiled.point_update import PointState, new_workspace, update_point
+from solvers.compiled.return_map import PointLaw, Softening
 from solvers.masonry import FLOOR, MasonryLaw, point_law
 from solvers.materials import Material
-from solvers.point_update import PointState, new_workspace, update_point
-from solvers.return_map import PointLaw, Softening
 
 FloatArray = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ from fd2fem.errors import InputError
 from fd2fem.meshing import write_mesh
 from fd2fem.model import LoadCase, VolumeMesh
 from solvers import analyse
-from solvers.assembly import body_force
-from solvers.elements import displacement_space
+from solvers.fem.assembly import body_force
+from solvers.fem.elements import displacement_space
 
 KINDS = ["hexahedron", "hexahedron20", "tetra10"]
 NAMES = {"hexahedron": "C3D8", "hexahedron20": "C3D20", "tetra10": "C3D10"}

@@ -11,7 +11,7 @@ from fd2fem.meshing import write_mesh
 from fd2fem.meshing.order import quadratic_mesh
 from fd2fem.meshing.session import gmsh_session
 from fd2fem.model import ElementKind, VolumeMesh
-from solvers.elements import displacement_space
+from solvers.fem.elements import displacement_space
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
 

@@ -7,7 +7,7 @@ import elastic_benchmarks as benchmarks
 import numpy as np
 import pytest
 
-from solvers.elements import ElementType
+from solvers.fem.elements import ElementType
 
 FOLDER = Path(__file__).parents[1] / "oracles"
 TARGETS = tomllib.loads((FOLDER / "benchmarks.toml").read_text(encoding="utf-8"))

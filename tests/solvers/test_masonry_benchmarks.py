@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from material_point import LAW, cone_value
 
-from solvers.stepping import StepMode, SteppingOptions
+from solvers.steps.stepping import StepMode, SteppingOptions
 
 ORACLES = Path(__file__).parents[1] / "oracles"
 TARGETS = tomllib.loads((ORACLES / "benchmarks.toml").read_text(encoding="utf-8"))

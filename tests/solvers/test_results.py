@@ -7,7 +7,7 @@ import pytest
 from exported_meshes import hexahedra20
 
 from fd2fem.errors import InputError
-from solvers.elasticity import analyse
+from solvers.fem.elasticity import analyse
 from solvers.results import read_response, response_to_dict, write_response
 
 CONTRACT = {

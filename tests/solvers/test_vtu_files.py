@@ -9,8 +9,8 @@ import pytest
 
 from fd2fem.errors import InputError
 from solvers import AnalysisOptions, LinearSettlement, MasonryLaw, SteppingOptions
-from solvers.masonry_analysis import analyse_steps
 from solvers.results import read_response, response_to_dict, write_response
+from solvers.steps.masonry_analysis import analyse_steps
 from solvers.vtu_files import StepSeries
 
 OPTIONS = AnalysisOptions(

@@ -1,0 +1,1 @@
+"""The same wall in CalculiX, for a cross-check."""

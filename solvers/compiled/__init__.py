@@ -1,0 +1,1 @@
+"""Everything that numba compiles: elements, their sums, and masonry at a point."""

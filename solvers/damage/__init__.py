@@ -1,0 +1,1 @@
+"""How much a wall has suffered: strains, cracks, classes."""

@@ -1,0 +1,1 @@
+"""Finite elements in linear elasticity: spaces, matrices, linear equations, stresses, loads."""

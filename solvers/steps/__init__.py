@@ -1,0 +1,1 @@
+"""Walls that crack or let go of the ground, followed step by step."""
