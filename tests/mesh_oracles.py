@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fd2fem.meshing.topology import FACETS
 from fd2fem.model import OpeningKind
+from fd2fem.model.topology import FACETS
 
 VTK_HEXAHEDRON = 12
 

@@ -4,8 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fd2fem.errors import InputError
-from fd2fem.meshing.topology import FACETS, facet_keys
+from fd2fem.meshing.topology import facet_keys
 from fd2fem.model import ElementKind, VolumeMesh
+from fd2fem.model.topology import FACETS
 
 __all__ = ["facet_owners"]
 
@@ -15,7 +16,7 @@ IntArray = NDArray[np.intp]
 def facet_owners(mesh: VolumeMesh) -> dict[str, IntArray]:
     """Element and face, both from 0, of the facets in each group that has any.
 
-    Faces are counted as in :data:`~fd2fem.meshing.topology.FACETS`, which is the order of S1, S2, … in
+    Faces are counted as in :data:`~fd2fem.model.topology.FACETS`, which is the order of S1, S2, … in
     Abaqus and CalculiX.
 
     Returns

@@ -12,8 +12,9 @@ from fd2fem.errors import InputError, MeshError
 from fd2fem.meshing.quality import element_volumes
 from fd2fem.meshing.session import gmsh_session
 from fd2fem.meshing.tetrahedra import GMSH_TO_VTK
-from fd2fem.meshing.topology import FACETS, facet_keys
+from fd2fem.meshing.topology import facet_keys
 from fd2fem.model import GROUPS, ElementKind, VolumeMesh
+from fd2fem.model.topology import FACETS
 
 __all__ = ["read_msh", "write_by_gmsh"]
 

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fd2fem.meshing.topology import EDGES
 from fd2fem.model import ElementKind, MeshQuality, VolumeMesh
+from fd2fem.model.topology import EDGES
 
 __all__ = ["element_aspects", "element_volumes", "mesh_quality", "scaled_jacobians", "tetrahedron_shapes"]
 

@@ -5,8 +5,9 @@ from numpy.typing import NDArray
 
 from fd2fem.meshing.quality import tetrahedron_shapes
 from fd2fem.meshing.relocation import relocate
-from fd2fem.meshing.topology import EDGES, FACETS, boundary_facets, facet_keys
+from fd2fem.meshing.topology import boundary_facets, facet_keys
 from fd2fem.model import ElementKind, VolumeMesh
+from fd2fem.model.topology import EDGES, FACETS
 
 __all__ = ["quadratic_tetrahedra", "split_hexahedra", "tetrahedron_boundary", "worst_split"]
 

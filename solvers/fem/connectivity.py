@@ -4,19 +4,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fd2fem.errors import InputError
-from fd2fem.model import ElementKind, VolumeMesh
+from fd2fem.model import ElementKind, VolumeMesh, topology
 
 __all__ = ["check_held", "check_supported", "mesh_parts", "parts", "rigid_motions"]
 
-_OF_HEXAHEDRON = np.array(
-    [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [2, 3, 7, 6], [0, 4, 7, 3], [1, 2, 6, 5]]
-)
 FACETS = {
-    ElementKind.HEXAHEDRON: _OF_HEXAHEDRON,
-    ElementKind.HEXAHEDRON20: _OF_HEXAHEDRON,
-    ElementKind.TETRA10: np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]),
+    kind: np.array(facets)[:, : 3 if kind is ElementKind.TETRA10 else 4]
+    for kind, facets in topology.FACETS.items()
 }
-"""Corners of each element's facets, VTK's order."""
+"""Corners of each element's facets, without the middles of their edges."""
 
 MOTIONS = ("shift along x", "shift along y", "shift along z", "turn about x", "turn about y", "turn about z")
 """Rigid motions, in the order of :func:`rigid_motions`."""

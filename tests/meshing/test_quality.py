@@ -5,8 +5,9 @@ import pytest
 from fd2fem.meshing import MeshOptions, mesh_facade, mesh_quality
 from fd2fem.meshing.quality import element_aspects, element_volumes, scaled_jacobians
 from fd2fem.meshing.session import gmsh_session
-from fd2fem.meshing.topology import EDGES, FACETS, boundary_facets
+from fd2fem.meshing.topology import boundary_facets
 from fd2fem.model import ElementKind, Facade, VolumeMesh, rectangle
+from fd2fem.model.topology import EDGES, FACETS
 
 CUBE = np.array(
     [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], dtype=float
