@@ -16,7 +16,10 @@ AT_FAULT = 2
 
 UNITS = ("auto", "m", "cm", "mm", "ft", "us-ft", "in")
 FACADE_HELP = "facade.json, TOML or DXF drawing, STEP solid, or building1, building2, building3"
-CONFIG_HELP = "settings: sections reconstruction, solid, mesh, material, settlement, analysis, comparison"
+CONFIG_HELP = (
+    "settings: sections reconstruction, solid, mesh, material, masonry, base, settlement, stepping, "
+    "analysis, comparison"
+)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -47,9 +50,7 @@ def build_parser() -> argparse.ArgumentParser:
         return commands.add_parser(name, help=text, description=text, parents=[common])
 
     demo = command("demo", "the whole chain on a scan that the package simulates")
-    demo.add_argument("-o", "--output", type=Path, default=Path("fd2fem-demo"), metavar="DIR")
-    _simulation_arguments(demo)
-    demo.add_argument("--facade", default="building1", help="drawing to scan (default building1)")
+    _demo_arguments(demo)
 
     run = command("run", "from a scan to a verdict")
     _scan_arguments(run)
@@ -88,6 +89,13 @@ def build_parser() -> argparse.ArgumentParser:
     scan.add_argument("-o", "--output", type=Path, required=True, metavar="SCAN", help=".laz or .las")
     _simulation_arguments(scan)
     return parser
+
+
+def _demo_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("-o", "--output", type=Path, default=Path("fd2fem-demo"), metavar="DIR")
+    _simulation_arguments(parser)
+    parser.add_argument("--facade", default="building1", help="drawing to scan (default building1)")
+    parser.add_argument("--config", type=Path, metavar="C.toml", help=CONFIG_HELP)
 
 
 def _scan_arguments(parser: argparse.ArgumentParser) -> None:

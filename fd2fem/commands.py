@@ -1,18 +1,26 @@
 """What each verb of the command line does: one call of the chain, and what the user is told of it."""
 
 import argparse
-import sys
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fd2fem.errors import InputError
-from fd2fem.model import Comparison, Facade, PointCloud, RunResult
+from fd2fem.messages import (
+    DONE,
+    Say,
+    Summary,
+    progress,
+    response_words,
+    run_summary,
+    tell_check,
+    tell_verdict,
+    warn,
+)
+from fd2fem.model import Facade, PointCloud
 
 if TYPE_CHECKING:
     from fd2fem.config import PipelineOptions
-    from solvers.calculix.check import CalculixCheck
 
 __all__ = ["COMMANDS", "Command", "Summary"]
 
@@ -20,29 +28,23 @@ OF_A_REFERENCE = (
     "comparison.json",
     "08_reference.png",
     "09_comparison.png",
+    "09_cracks.png",
     "reference/facade.json",
     "reference/response.json",
     "reference/response.vtu",
 )
 """Results that a run without a reference does not make."""
+OF_STEPS = ("load_settlement.csv", "cracks.png", "07_cracks.png", "07_load_settlement.png")
+"""Results that an analysis in one solve does not make."""
+CRACKED_WALLS = "compared_cracks.png"
+"""What a comparison draws of two walls that crack."""
 OF_A_CHECK = ("calculix.json", "calculix.inp")
 """Results that an analysis without a check does not make."""
-DONE, SHORT = 0, 1
-"""Exit codes: done; a comparison falls short."""
-
-Summary = dict[str, Any]
 Command = Callable[[argparse.Namespace], tuple[int, Summary]]
 
 
-def _progress(args: argparse.Namespace) -> Callable[[str], None]:
-    """A function that tells the user what is going on."""
-
-    def say(text: str) -> None:
-        if not args.quiet:
-            sys.stderr.write(f"fd2fem: {text}\n")
-            sys.stderr.flush()
-
-    return say
+def _progress(args: argparse.Namespace) -> Say:
+    return progress(quiet=args.quiet)
 
 
 def _options(args: argparse.Namespace) -> "PipelineOptions":
@@ -71,11 +73,11 @@ def _given(args: argparse.Namespace, **types: Callable[[Any], Any]) -> dict[str,
 
 
 def _cloud(args: argparse.Namespace) -> PointCloud:
-    from fd2fem import pipeline
+    from fd2fem import loading
     from fd2fem.scans import Units
 
     _progress(args)(f"reading {', '.join(str(path) for path in args.scans)}")
-    return pipeline.load_cloud(args.scans, units=Units(args.units), scanners=args.scanner)
+    return loading.load_cloud(args.scans, units=Units(args.units), scanners=args.scanner)
 
 
 def _simulate(args: argparse.Namespace, facade: Facade) -> PointCloud:
@@ -96,35 +98,6 @@ def _simulate(args: argparse.Namespace, facade: Facade) -> PointCloud:
     )
 
 
-def _run_summary(result: RunResult, folder: Path) -> Summary:
-    """What a run tells on stdout."""
-    from fd2fem.report import facade_summary
-    from solvers import response_to_dict
-    from validation import comparison_to_dict
-
-    summary: Summary = {
-        "output": str(folder),
-        "facade": facade_summary(result.reconstruction.facade),
-        "solid": dict(result.solid),
-        "mesh": asdict(result.quality),
-        "response": response_to_dict(result.response),
-        "timings_s": dict(result.timings),
-    }
-    if result.comparison is not None:
-        summary["comparison"] = comparison_to_dict(result.comparison)
-    return summary
-
-
-def _verdict(args: argparse.Namespace, comparison: Comparison) -> int:
-    """Say how a comparison ended, and give its exit code."""
-    if comparison.passed:
-        _progress(args)(f"within {100 * comparison.tolerance:g} % of the reference")
-        return DONE
-    for reason in comparison.reasons:
-        sys.stderr.write(f"fd2fem: falls short: {reason}\n")
-    return SHORT
-
-
 def _run_chain(
     args: argparse.Namespace, make_cloud: Callable[[], PointCloud], reference: Facade | None
 ) -> tuple[int, Summary]:
@@ -134,37 +107,31 @@ def _run_chain(
 
     options = _options(args)
     with staged_folder(
-        args.output, expected=["facade.json"], stale=OF_A_REFERENCE, force=args.force
+        args.output, expected=["facade.json"], stale=(*OF_A_REFERENCE, *OF_STEPS), force=args.force
     ) as folder:
         result = pipeline.run(
             make_cloud(), folder, reference=reference, options=options, progress=_progress(args)
         )
-        summary = _run_summary(result, args.output)
-    _warn(result.reconstruction.facade)
+        summary = run_summary(result, args.output)
+    warn(result.reconstruction.facade, result.response)
     _progress(args)(f"results in {args.output}; look at {args.output / 'report.html'}")
-    code = _verdict(args, result.comparison) if result.comparison is not None else DONE
+    code = tell_verdict(_progress(args), result.comparison) if result.comparison is not None else DONE
     return code, summary
-
-
-def _warn(facade: Facade) -> None:
-    """What the user must know even when progress is not wanted."""
-    for warning in facade.record.get("warnings", ()):
-        sys.stderr.write(f"fd2fem: warning: {warning}\n")
 
 
 def _demo(args: argparse.Namespace) -> tuple[int, Summary]:
     from dataclasses import replace
 
-    from fd2fem import pipeline
+    from fd2fem import loading, pipeline
 
-    drawing = replace(pipeline.load_facade(args.facade), frame=pipeline.survey_frame())
+    drawing = replace(loading.load_facade(args.facade), frame=pipeline.survey_frame())
     return _run_chain(args, lambda: _simulate(args, drawing), drawing)
 
 
 def _run(args: argparse.Namespace) -> tuple[int, Summary]:
-    from fd2fem import pipeline
+    from fd2fem import loading
 
-    reference = pipeline.load_facade(args.reference) if args.reference is not None else None
+    reference = loading.load_facade(args.reference) if args.reference is not None else None
     return _run_chain(args, lambda: _cloud(args), reference)
 
 
@@ -178,7 +145,7 @@ def _reconstruct(args: argparse.Namespace) -> tuple[int, Summary]:
     with staged_folder(args.output, expected=["facade.json"], force=args.force) as folder:
         facade = reconstruct(_cloud(args), options=options).facade
         write_facade(facade, folder / "facade.json")
-    _warn(facade)
+    warn(facade)
     summary = facade_summary(facade)
     _progress(args)(
         f"{facade.length:.3f} x {facade.height:.3f} m, {len(facade.openings)} openings of "
@@ -188,24 +155,24 @@ def _reconstruct(args: argparse.Namespace) -> tuple[int, Summary]:
 
 
 def _solid(args: argparse.Namespace) -> tuple[int, Summary]:
-    from fd2fem import exchange, pipeline
+    from fd2fem import exchange, loading
     from fd2fem.output import staged_folder
 
     options = _options(args)
     with staged_folder(args.output, expected=["facade.step"], force=args.force) as folder:
-        report = exchange.write_facade_solid(pipeline.load_facade(args.facade), folder, options=options)
+        report = exchange.write_facade_solid(loading.load_facade(args.facade), folder, options=options)
     _progress(args)(f"{report.volumes:,} volumes of {report.volume:.4f} m³, in {args.output}")
     return DONE, {"output": str(args.output), "solid": asdict(report)}
 
 
 def _mesh(args: argparse.Namespace) -> tuple[int, Summary]:
-    from fd2fem import exchange, pipeline
+    from fd2fem import exchange, loading
     from fd2fem.meshing import mesh_quality
     from fd2fem.output import staged_file
 
     options = _options(args)
     with staged_file(args.output, force=args.force) as path:
-        mesh = pipeline.load_mesh(args.facade, options=options)
+        mesh = loading.load_mesh(args.facade, options=options)
         quality = mesh_quality(mesh)
         exchange.export_mesh(mesh, path, options=options)
     _progress(args)(
@@ -224,7 +191,7 @@ def _analyse(args: argparse.Namespace) -> tuple[int, Summary]:
     if args.check:
         exchange.require_calculix(options)
     old = [f"steps/{path.name}" for path in (args.output / "steps").glob("step_*.vtu")]
-    stale = [*OF_A_CHECK, "response.pvd", *old]
+    stale = [*OF_A_CHECK, *OF_STEPS, "response.pvd", *old]
     with staged_folder(args.output, expected=["response.json"], stale=stale, force=args.force) as folder:
         response = pipeline.analyse_file(
             args.facade, folder, options=options, progress=_progress(args), state=args.state
@@ -232,55 +199,42 @@ def _analyse(args: argparse.Namespace) -> tuple[int, Summary]:
         if args.check:
             _progress(args)("checking with CalculiX")
             check = exchange.check_with_calculix(response, folder, options=options)
-    _progress(args)(
-        f"largest displacement {1000 * response.max_displacement:.1f} mm, largest principal stress "
-        f"{response.max_principal_stress / 1e6:.3f} MPa, in {args.output}"
-    )
+    warn(response)
+    _progress(args)(f"{response_words(response)}, in {args.output}")
     if args.state is not None:
         args.state.unlink(missing_ok=True)  # the results are safe
     summary: Summary = {"output": str(args.output), "response": response_to_dict(response)}
     if check is None:
         return DONE, summary
-    return _checked(args, check), summary | {"check": check_to_dict(check)}
-
-
-def _checked(args: argparse.Namespace, check: "CalculixCheck") -> int:
-    """Say how a check by CalculiX ended, and give its exit code."""
-    for difference in check.differences:
-        says = (
-            f"{difference.quantity} differs from CalculiX's by at most {difference.relative:.1e} of its "
-            f"largest, {difference.scale:.4g} {difference.unit} ({difference.place})"
-        )
-        if difference.relative > check.limit:
-            sys.stderr.write(f"fd2fem: falls short: {says}, more than {check.limit:g}\n")
-        else:
-            _progress(args)(says)
-    _progress(args)(
-        f"CalculiX {check.version} took {check.seconds:.2f} s, our own analysis {check.own_seconds:.2f} s"
-    )
-    return DONE if check.passed else SHORT
+    return tell_check(_progress(args), check), summary | {"check": check_to_dict(check)}
 
 
 def _compare(args: argparse.Namespace) -> tuple[int, Summary]:
     from dataclasses import replace
 
-    from fd2fem import pipeline
+    from fd2fem import loading, pipeline
     from fd2fem.output import staged_folder
+    from fd2fem.report import draw_cracked_walls
     from validation import comparison_to_dict, write_comparison
 
     options = _options(args)
     if args.tolerance is not None:
         options = replace(options, comparison=replace(options.comparison, tolerance=args.tolerance))
-    candidate, reference = pipeline.load_model(args.candidate), pipeline.load_model(args.reference)
+    candidate, reference = loading.load_model(args.candidate), loading.load_model(args.reference)
     comparison = pipeline.compare_models(candidate, reference, options=options)
     if args.output is not None:
-        with staged_folder(args.output, expected=["comparison.json"], force=args.force) as folder:
+        with staged_folder(
+            args.output, expected=["comparison.json"], stale=[CRACKED_WALLS], force=args.force
+        ) as folder:
             write_comparison(comparison, folder / "comparison.json")
-    return _verdict(args, comparison), comparison_to_dict(comparison)
+            found = [model.response for model in (candidate, reference) if model.response is not None]
+            if len(found) == 2 and all(response.knows_cracks for response in found):
+                draw_cracked_walls(found[0], found[1], folder / CRACKED_WALLS)
+    return tell_verdict(_progress(args), comparison), comparison_to_dict(comparison)
 
 
 def _scan(args: argparse.Namespace) -> tuple[int, Summary]:
-    from fd2fem import pipeline
+    from fd2fem import loading
     from fd2fem.output import staged_file
     from fd2fem.scans import write_las
 
@@ -288,7 +242,7 @@ def _scan(args: argparse.Namespace) -> tuple[int, Summary]:
         msg = f"{args.output} must end in .las or .laz."
         raise InputError(msg)
     with staged_file(args.output, force=args.force) as path:
-        cloud = _simulate(args, pipeline.load_facade(args.facade))
+        cloud = _simulate(args, loading.load_facade(args.facade))
         write_las(cloud, path)
     _progress(args)(f"{len(cloud):,} points in {args.output}")
     return DONE, {"output": str(args.output), "points": len(cloud), "scanners": cloud.scanners.tolist()}

@@ -1,6 +1,6 @@
 """The whole chain, a line per step: scan, facade, solid, mesh, response, comparison, report."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
 from time import perf_counter
@@ -9,10 +9,11 @@ from typing import TypeVar
 import numpy as np
 
 from fd2fem.config import PipelineOptions
-from fd2fem.drawings import STAND_INS, read_facade, stand_in, write_facade
+from fd2fem.drawings import write_facade
 from fd2fem.errors import InputError
 from fd2fem.exchange import write_facade_solid
-from fd2fem.meshing import mesh_facade, mesh_quality, mesh_step, read_mesh, write_mesh
+from fd2fem.loading import load_facade
+from fd2fem.meshing import mesh_facade, mesh_quality, read_mesh, write_mesh
 from fd2fem.model import (
     Comparison,
     Facade,
@@ -22,32 +23,31 @@ from fd2fem.model import (
     QuantityComparison,
     Response,
     RunResult,
-    VolumeMesh,
 )
 from fd2fem.reconstruction import reconstruct
-from fd2fem.report import write_report
+from fd2fem.report import draw_cracks, write_report
 from fd2fem.scans import (
     Density,
     ScannerOptions,
     Scene,
-    Units,
-    read_scans,
     resample_to,
     simulate_scan,
     step_for_spacing,
     street_scene,
 )
-from fd2fem.solids import CAD_SUFFIXES, facade_from_step
-from solvers import StepSeries, WallState, analyse, read_response, write_response
-from validation import NoCommonWallError, compare_facades, compare_responses, judge, write_comparison
+from solvers import StepSeries, WallState, analyse, write_response
+from validation import (
+    NoCommonWallError,
+    compare_facades,
+    compare_responses,
+    judge,
+    saturation_notes,
+    write_comparison,
+)
 
 __all__ = [
     "analyse_file",
     "compare_models",
-    "load_cloud",
-    "load_facade",
-    "load_mesh",
-    "load_model",
     "run",
     "scan_facade",
     "survey_frame",
@@ -58,52 +58,6 @@ Progress = Callable[[str], None]
 
 ORIGINAL_COUNTS = {"building1": 264_931, "building2": 190_865, "building3": 650_306}
 """Points of the original scans (NS00), table 1 of the paper."""
-
-
-def load_cloud(
-    paths: Sequence[Path], *, units: Units = Units.AUTO, scanners: Sequence[Sequence[float]] = ()
-) -> PointCloud:
-    """Read one or more scans; `scanners` (world frame, m) replaces the positions that the files hold.
-
-    As many as there are scans or files, they belong to one each; a single one to all.
-    """
-    return read_scans(paths, units=units, scanners=scanners)
-
-
-def load_facade(name: str) -> Facade:
-    """Read a facade by the name of a stand-in, or from facade.json, a TOML or DXF drawing or a CAD solid.
-
-    Raises
-    ------
-    InputError
-        If there is no such file, or it is not a facade.
-    """
-    if not name:
-        msg = "The name of a facade is empty; give a file, or building1, building2 or building3."
-        raise InputError(msg)
-    path = Path(name)
-    if name in STAND_INS:
-        return stand_in(name)
-    if path.is_dir():
-        path = path / "facade.json"
-    if path.suffix.lower() in CAD_SUFFIXES:
-        return facade_from_step(path)
-    return read_facade(path)
-
-
-def load_model(name: str) -> Model:
-    """Read what a comparison takes: a facade, or an analysed folder with its facade if it holds one."""
-    path = Path(name)
-    if not path.is_dir():
-        return Model(load_facade(name), None)
-    has_facade, has_response = (path / "facade.json").is_file(), (path / "response.json").is_file()
-    if not (has_facade or has_response):
-        msg = f"{path} holds neither facade.json nor response.json; give a facade or an analysed folder."
-        raise InputError(msg)
-    return Model(
-        load_facade(name) if has_facade else None,
-        read_response(path) if has_response else None,
-    )
 
 
 def scan_facade(
@@ -154,6 +108,7 @@ def compare_models(candidate: Model, reference: Model, *, options: PipelineOptio
     """
     geometry: Comparison | None = None
     quantities: tuple[QuantityComparison, ...] = ()
+    notes: tuple[str, ...] = ()
     if candidate.facade is not None and reference.facade is not None:
         geometry = compare_facades(
             candidate.facade,
@@ -166,6 +121,7 @@ def compare_models(candidate: Model, reference: Model, *, options: PipelineOptio
             quantities = compare_responses(
                 candidate.response, reference.response, tolerance=options.comparison.tolerance
             )
+            notes = saturation_notes(candidate.response, reference.response)
         except NoCommonWallError as error:
             if geometry is None:
                 raise
@@ -174,7 +130,7 @@ def compare_models(candidate: Model, reference: Model, *, options: PipelineOptio
     if geometry is None and not quantities:
         msg = "Nothing to compare: give two facades, or two analysed folders."
         raise InputError(msg)
-    return judge(geometry, quantities, tolerance=options.comparison.tolerance)
+    return judge(geometry, quantities, tolerance=options.comparison.tolerance, notes=notes)
 
 
 def run(
@@ -217,7 +173,13 @@ def run(
     quality = mesh_quality(mesh)
     write_mesh(mesh, folder / "mesh.msh")
     progress(f"analysing {quality.elements:,} elements")
-    response = _timed(clock, "analyse", lambda: analyse(mesh, options=options.analysis))
+    response = _timed(
+        clock,
+        "analyse",
+        lambda: analyse(
+            mesh, options=options.analysis, on_step=lambda found: progress(_how_far(found, options))
+        ),
+    )
     write_response(response, folder)
     other, comparison = None, None
     if reference is not None:
@@ -242,13 +204,6 @@ def _reference(facade: Facade, folder: Path, options: PipelineOptions) -> Model:
     return Model(facade, response)
 
 
-def load_mesh(name: str, *, options: PipelineOptions) -> VolumeMesh:
-    """Mesh a facade, or any CAD solid (tetrahedra)."""
-    if Path(name).suffix.lower() in CAD_SUFFIXES:
-        return mesh_step(Path(name), options=options.mesh)
-    return mesh_facade(load_facade(name), options=options.mesh)
-
-
 def analyse_file(
     name: str,
     folder: Path,
@@ -259,8 +214,8 @@ def analyse_file(
 ) -> Response:
     """Analyse a facade or a mesh from a file and write the response (and the facade) to `folder`.
 
-    A wall that cracks is followed in steps, which ParaView shows as ``response.pvd``; with `state`, a file,
-    an analysis that was stopped goes on from its last step.
+    A wall that cracks is followed in steps, which ParaView shows as ``response.pvd``; ``cracks.png`` is drawn
+    of its cracks. With `state`, a file, an analysis that was stopped goes on from its last step.
     """
     if Path(name).suffix.lower() == ".msh":
         mesh = read_mesh(Path(name))
@@ -274,14 +229,22 @@ def analyse_file(
 
     def on_step(found: WallState) -> None:
         series(found)
-        step = found.record
-        progress(
-            f"{100 * step.share:.1f} % of the settlement, cracks up to {1000 * step.max_crack_opening:.2f} mm"
-        )
+        progress(_how_far(found, options))
 
     response = analyse(mesh, options=options.analysis, state=state, on_step=on_step)
     write_response(response, folder)
+    if response.knows_cracks:
+        draw_cracks(response, folder / "cracks.png")
     return response
+
+
+def _how_far(found: WallState, options: PipelineOptions) -> str:
+    """What a user is told of a step."""
+    step = found.record
+    words = f"{100 * step.share:.1f} % of the settlement"
+    if options.analysis.masonry is None:
+        return words
+    return f"{words}, cracks up to {1000 * step.max_crack_opening:.2f} mm"
 
 
 def _timed(clock: dict[str, float], name: str, step: Callable[[], T]) -> T:

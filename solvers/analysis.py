@@ -3,6 +3,9 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
+from fd2fem.errors import ConvergenceError
 from fd2fem.model import Response, VolumeMesh
 from solvers.fem import elasticity
 from solvers.options import AnalysisOptions
@@ -10,6 +13,9 @@ from solvers.steps.masonry_analysis import analyse_steps
 from solvers.steps.wall_state import WallState
 
 __all__ = ["analyse"]
+
+LARGEST_MOVE = 0.2
+"""Largest displacement of a wall relative to its size; that of the ground is at most half of it."""
 
 
 def analyse(
@@ -48,5 +54,19 @@ def analyse(
     """
     options = options or AnalysisOptions()
     if options.linear:
-        return elasticity.analyse(mesh, options=options)
-    return analyse_steps(mesh, options=options, state=state, on_step=on_step)
+        response = elasticity.analyse(mesh, options=options)
+    else:
+        response = analyse_steps(mesh, options=options, state=state, on_step=on_step)
+    _check_size(response)
+    return response
+
+
+def _check_size(response: Response) -> None:
+    """Refuse displacements that no analysis by small ones can mean."""
+    size = float(np.ptp(response.mesh.nodes, axis=0).max())
+    if not response.max_displacement <= LARGEST_MOVE * size:
+        msg = (
+            f"The wall would move by {response.max_displacement:.3g} m, but is {size:.3g} m large: it falls, "
+            "or Young's modulus, the density or the springs of the base were given in another unit."
+        )
+        raise ConvergenceError(msg)

@@ -1,10 +1,14 @@
 """Writing a response for people and programs, and reading it back for a comparison.
 
 A folder holds ``response.json`` (the figures) and ``response.vtu`` (the fields, for ParaView). Both are
-lossless, except that the mesh's facet groups are not kept.
+lossless, except that the mesh's facet groups are not kept. After an analysis in steps,
+``load_settlement.csv`` holds its history once more, as a table.
 """
 
+import csv
+import io
 import json
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -18,11 +22,12 @@ from solvers.vtu_files import point_fields, write_vtu
 if TYPE_CHECKING:
     import meshio
 
-__all__ = ["SCHEMA", "read_response", "response_to_dict", "write_response"]
+__all__ = ["CURVE", "SCHEMA", "read_response", "response_to_dict", "write_response"]
 
 SCHEMA = "fd2fem/response-1"
 FIGURES = "response.json"
 FIELDS = "response.vtu"
+CURVE = "load_settlement.csv"
 
 KEYS: Mapping[str, str] = MappingProxyType(
     {
@@ -40,6 +45,24 @@ KEYS: Mapping[str, str] = MappingProxyType(
 )
 """Keys of the file that hold a scalar, and the attributes of the response."""
 
+COLUMNS: Mapping[str, str] = MappingProxyType(
+    {
+        "share": "share",
+        "settlement_m": "settlement",
+        "max_displacement_m": "max_displacement",
+        "max_principal_stress_pa": "max_principal_stress",
+        "max_crack_opening_m": "max_crack_opening",
+        "strain_energy_j": "strain_energy",
+        "dissipated_energy_j": "dissipated_energy",
+        "plastic_energy_j": "plastic_energy",
+        "external_work_j": "external_work",
+        "iterations": "iterations",
+        "residual": "residual",
+        "strength_error": "strength_error",
+    }
+)
+"""Columns of the load-settlement curve that hold a scalar, and what the history calls them."""
+
 
 def response_to_dict(response: Response) -> dict[str, Any]:
     """The figures of a response as JSON values, schema "fd2fem/response-1"."""
@@ -47,7 +70,9 @@ def response_to_dict(response: Response) -> dict[str, Any]:
         "schema": SCHEMA,
         "converged": True,
         **{key: getattr(response, name) for key, name in KEYS.items()},
+        "final_principal_stress_pa": response.final_principal_stress,
         "reaction_n": response.reaction.tolist(),
+        "feet": [dict(foot) for foot in response.feet],
         "mesh": {
             "nodes": len(response.mesh.nodes),
             "elements": len(response.mesh.elements),
@@ -65,13 +90,15 @@ def write_response(response: Response, folder: Path) -> None:
 
     The fields at the nodes are displacement (m), stress (Pa: xx, yy, zz, xy, yz, xz), principal_stress (Pa)
     and the directions of the first and the third principal stress; those of the elements sigma1 (Pa), the
-    mean over the nodes, and crack_opening (m), crack_normal and dissipation (J). Each file appears under its
-    name only when it is whole.
+    mean over the nodes, largest_sigma1 (Pa), over all steps, and crack_opening (m), crack_normal and
+    dissipation (J). After an analysis in steps, `CURVE` goes with them. Each file appears under its name only
+    when it is whole.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     cells = {
         "sigma1": response.principal_stress[response.mesh.elements, 0].mean(axis=1),
+        "largest_sigma1": response.largest_stress,
         "crack_opening": response.crack_opening,
         "crack_normal": response.crack_normal,
         "dissipation": response.dissipation,
@@ -79,10 +106,27 @@ def write_response(response: Response, folder: Path) -> None:
     points = point_fields(response.displacement, response.stress)
     points["principal_stress"] = response.principal_stress
     write_vtu(folder / FIELDS, response.mesh, points=points, cells=cells)
-    figures = folder / f"{FIGURES}.part"
-    text = json.dumps(response_to_dict(response), indent=2, allow_nan=False)
-    figures.write_text(text + "\n", encoding="utf-8")
-    figures.replace(folder / FIGURES)
+    if response.history:
+        _write_whole(folder / CURVE, _curve(response))
+    _write_whole(folder / FIGURES, json.dumps(response_to_dict(response), indent=2, allow_nan=False) + "\n")
+
+
+def _write_whole(path: Path, text: str) -> None:
+    part = path.with_name(f"{path.name}.part")
+    part.write_text(text, encoding="utf-8", newline="")
+    part.replace(path)
+
+
+def _curve(response: Response) -> str:
+    """The history as CSV: a row for each step, the forces in all and on each foot, N, after the scalars."""
+    forces = ["reaction", *(f"foot{number}" for number in range(1, len(response.feet) + 1))]
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(["step", *COLUMNS, *(f"{name}_{axis}_n" for name in forces for axis in "xyz")])
+    for number, step in enumerate(response.history):
+        feet = [force for foot in step["feet"] for force in foot]
+        table.writerow([number, *(step[name] for name in COLUMNS.values()), *step["reaction"], *feet])
+    return text.getvalue()
 
 
 def read_response(folder: Path) -> Response:
@@ -128,6 +172,10 @@ def _assemble_response(figures: dict[str, Any], grid: "meshio.Mesh") -> Response
         crack_opening=grid.cell_data["crack_opening"][0],
         crack_normal=grid.cell_data["crack_normal"][0],
         dissipation=grid.cell_data["dissipation"][0],
+        # What files of earlier versions do not hold.
+        largest_stress=grid.cell_data.get("largest_sigma1", [()])[0],
+        final_principal_stress=float(figures.get("final_principal_stress_pa", math.nan)),
+        feet=tuple(figures.get("feet", ())),
         history=tuple(figures["history"]),
         damage=figures["damage"],
         **(named | {"damage_class": int(named["damage_class"])}),

@@ -1,20 +1,24 @@
 """Benchmarks of structures that crack or yield; each returns its quantity in SI."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from mapped_grids import graded, joined, mapped_mesh
-from material_point import MASONRY, MATERIAL, NEVER
+from material_point import LAW, MASONRY, MATERIAL, NEVER, cone_value
 from numpy.typing import NDArray
 
 from fd2fem.model import ElementKind, VolumeMesh
 from solvers.compiled.cracking import Body, PointFields, Strengths
 from solvers.compiled.pattern import build_pattern
 from solvers.compiled.stiffness import Rule, element_gradients, element_volumes
-from solvers.fem.elements import STIFFNESS_ORDER
+from solvers.fem.assembly import elastic_body
+from solvers.fem.elements import STIFFNESS_ORDER, displacement_space
+from solvers.fem.equilibrium import assemble, solve
 from solvers.fem.facet_loads import pressure_forces
 from solvers.fem.rules import element_rule, incompatible_rule
+from solvers.fem.stress import point_stress, principal_stress
 from solvers.masonry import FLOOR, MasonryLaw, point_law
 from solvers.materials import Material
 from solvers.steps.nonlinear import apply_settlement, at_rest
@@ -106,15 +110,16 @@ def crack_band_bar(band: float, options: SteppingOptions) -> BarResult:
 INNER, OUTER = 0.1, 0.5
 
 
-def thick_sphere(pressure: float, front: float, *, steps: int, radial: int, around: int) -> float:
-    """Displacement, m, of the outer face of a hollow sphere under inner pressure.
+def sphere_radii(front: float, radial: int) -> FloatArray:
+    """Radii of the shells of elements: as many within `front` as beyond, where they grow outwards."""
+    return np.concatenate([np.linspace(INNER, front, radial + 1), graded(front, OUTER, radial + 1, 3.0)[1:]])
 
-    An eighth of it, a cube's corner: three patches of 20-node hexahedra.
 
-    The material yields up to the radius `front`, m, where elements end, since strains have a kink there.
+def sphere_mesh(radii: FloatArray, around: int) -> VolumeMesh:
+    """An eighth of a hollow sphere, a cube's corner: three patches of 20-node hexahedra.
+
+    Groups "w0" and "w1" are its inner and outer face.
     """
-    yielding, elastic = np.linspace(INNER, front, radial + 1), graded(front, OUTER, radial + 1, 3.0)
-    radii = np.concatenate([yielding, elastic[1:]])
 
     def patch(axis: int) -> VolumeMesh:
         def mapping(grid: FloatArray) -> FloatArray:
@@ -127,38 +132,112 @@ def thick_sphere(pressure: float, front: float, *, steps: int, radial: int, arou
         angles = np.linspace(0, np.pi / 4, around + 1)
         return mapped_mesh((angles, angles, radii), mapping, kind=ElementKind.HEXAHEDRON20)
 
-    mesh = joined(*(patch(axis) for axis in range(3)))
+    return joined(*(patch(axis) for axis in range(3)))
+
+
+def uncracked(model: WallModel) -> Strengths:
+    """Strengths of a body that yields but does not crack."""
+    tensile = np.full(model.volumes.shape, NEVER)
+    return Strengths(tensile, np.full(len(tensile), np.inf), FLOOR)
+
+
+def radial_mean(mesh: VolumeMesh, displacement: FloatArray, group: str) -> float:
+    """Mean outward displacement, m, of a face of the sphere: work of a unit pressure over the face's area."""
+    force = np.abs(pressure_forces(mesh, group, 1.0).reshape(-1, 3))
+    area = float((force * mesh.nodes).sum()) / float(np.linalg.norm(mesh.nodes[mesh.group_nodes(group)[0]]))
+    return float((force * displacement).sum()) / area
+
+
+def thick_sphere(pressure: float, front: float, *, radial: int, around: int) -> float:
+    """Displacement, m, of the outer face of a hollow sphere under inner pressure, in one step.
+
+    The material yields up to the radius `front`, m, where elements end, since strains have a kink there.
+    """
+    mesh = sphere_mesh(sphere_radii(front, radial), around)
     force = pressure_forces(mesh, "w0", pressure)
     model = loaded_model(mesh, MATERIAL, MASONRY, np.abs(mesh.nodes) < 1e-12, force)
-    tensile = np.full(model.volumes.shape, NEVER)
-    strengths = Strengths(tensile, np.full(len(tensile), np.inf), FLOOR)
-    motion = equilibrium_path(model, strengths, np.linspace(0, 1, steps + 1)[1:])
-    outer = mesh.group_nodes("w1")
-    radius = np.linalg.norm(mesh.nodes[outer], axis=1)
-    away = (motion[outer] * mesh.nodes[outer]).sum(axis=1) / radius
-    return float(away.mean())
+    (state,) = equilibrium_path(model, uncracked(model), [1.0])
+    return radial_mean(mesh, state.displacement, "w1")
 
 
-def equilibrium_path(model: WallModel, strengths: Strengths, shares: Sequence[float]) -> FloatArray:
-    """Displacement (n, 3), m, after the forces of a model were put on share by share: Newton's method."""
+@dataclass(frozen=True)
+class SphereState:
+    """A sphere whose inner face is pushed out: inner pressure, Pa, and displacement of the outer face, m."""
+
+    pressure: float
+    outer: float
+
+
+def pushed_sphere(pushes: Sequence[float], front: float, *, radial: int, around: int) -> list[SphereState]:
+    """A hollow sphere whose inner face moves outwards by each of these, m, one after the other."""
+    mesh = sphere_mesh(sphere_radii(front, radial), around)
+    inner = mesh.group_nodes("w0")
+    held = np.abs(mesh.nodes) < 1e-12
+    held[inner] = True
+    model = loaded_model(mesh, MATERIAL, MASONRY, held)
+    unit = np.zeros_like(mesh.nodes)
+    unit[inner] = mesh.nodes[inner] / INNER
+    ground = pushes[-1] * unit[model.support.points]
+    found = []
+    for state in equilibrium_path(model, uncracked(model), np.divide(pushes, pushes[-1]), ground):
+        forces = nodal_forces(model, state.fields.stress)
+        work = float((forces * unit).sum())
+        area = np.pi * INNER**2 / 2
+        found.append(SphereState(work / area, radial_mean(mesh, state.displacement, "w1")))
+    return found
+
+
+def first_yield(*, radial: int, around: int) -> float:
+    """Pressure, Pa, at which a hollow sphere begins to yield, from its elastic stresses."""
+    mesh = sphere_mesh(graded(INNER, OUTER, 2 * radial, 8.0), around)
+    space = displacement_space(mesh)
+    held, zeros = np.abs(mesh.nodes) < 1e-12, np.zeros_like(mesh.nodes)
+    force = pressure_forces(mesh, "w0", 1.0)
+    state = solve(assemble(elastic_body(space, MATERIAL), force, prescribed=held, values=zeros))
+    points = point_stress(space, MATERIAL, displacement=state.displacement)
+    near = np.linalg.norm(points.location, axis=2)
+    within = near < 1.1 * INNER
+    # The cone is alpha I1 + sqrt(J2) = k; I1 is the same everywhere, the deviator goes with 1 / r³.
+    used = [cone_value(row) + LAW.cone for row in principal_stress(points.stress[within])]
+    slope, rest = np.polyfit(near[within] ** -3, used, 1)
+    return float(LAW.cone / (slope * INNER**-3 + rest))
+
+
+class PathState(NamedTuple):
+    """Displacement (n, 3), m, and state of the points."""
+
+    displacement: FloatArray
+    fields: PointFields
+
+
+def equilibrium_path(
+    model: WallModel, strengths: Strengths, shares: Sequence[float], ground: FloatArray | None = None
+) -> Iterator[PathState]:
+    """States of a model whose forces, and movements (k, 3) of its support, come share by share.
+
+    Newton's method.
+    """
     start: Snapshot = at_rest(model)
     motion, before = start.motion, start.fields
-    tangent, ground = Tangent(model), np.zeros((len(model.support.points), 3))
+    moved = np.zeros((len(model.support.points), 3)) if ground is None else ground
+    tangent = Tangent(model)
     free = model.pattern.equation >= 0
     for share in shares:
         tangent.model = replace(model, weight=share * model.weight)
         after = PointFields(*(field.copy() for field in before))
-        for _ in range(30):
-            tangent.assemble(motion, ground, strengths, before, after)
+        for iteration in range(100):
+            tangent.assemble(motion, share * moved, strengths, before, after)
             unbalanced = np.linalg.norm(tangent.unbalanced[free])
-            if unbalanced <= 1e-9 * np.linalg.norm(tangent.model.weight):
+            # What is prescribed has moved after the first step only; its reactions are out of balance here.
+            scale = max(np.linalg.norm(tangent.model.weight), np.linalg.norm(tangent.unbalanced))
+            if iteration and unbalanced <= 1e-8 * scale:
                 break
             motion = tangent.newton_step(motion)
         else:
             message = f"no equilibrium at {share}: {unbalanced} N"
             raise AssertionError(message)
         before = after
-    return motion.displacement
+        yield PathState(motion.displacement, before)
 
 
 CONCRETE = Material(young=30e9, poisson=0.18, density=2400.0, source="Petersson 1981")

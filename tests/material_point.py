@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from solvers.compiled.point_update import PointState, new_workspace, update_point
+from solvers.compiled.point_update import PointState, update_point
 from solvers.compiled.return_map import PointLaw, Softening
+from solvers.compiled.workspace import new_workspace
 from solvers.masonry import FLOOR, MasonryLaw, point_law
 from solvers.materials import Material
 

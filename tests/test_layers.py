@@ -24,15 +24,19 @@ ALLOWED = {
 }
 ALLOWED["fd2fem.config"] = RECORDS | {f"fd2fem.{stage}" for stage in STAGES} | {"solvers", "validation"}
 ALLOWED["fd2fem.exchange"] = ALLOWED["fd2fem.config"] | {"fd2fem.config"}
-ALLOWED["fd2fem.pipeline"] = ALLOWED["fd2fem.exchange"] | {"fd2fem.exchange", "fd2fem.output"}
+ALLOWED["fd2fem.loading"] = ALLOWED["fd2fem.config"] | {"fd2fem.config"}
+ALLOWED["fd2fem.messages"] = RECORDS | {"fd2fem.report", "solvers", "validation"}
+ALLOWED["fd2fem.pipeline"] = ALLOWED["fd2fem.exchange"] | {
+    "fd2fem.exchange", "fd2fem.loading", "fd2fem.output",
+}  # fmt: skip
 ALLOWED["fd2fem.arguments"] = {"fd2fem.errors", "fd2fem"}  # fd2fem: the version
-ALLOWED["fd2fem.commands"] = ALLOWED["fd2fem.pipeline"] | {"fd2fem.pipeline"}
+ALLOWED["fd2fem.commands"] = ALLOWED["fd2fem.pipeline"] | {"fd2fem.messages", "fd2fem.pipeline"}
 ALLOWED["fd2fem.cli"] = {"fd2fem.errors", "fd2fem.arguments", "fd2fem.commands"}
 ALLOWED["fd2fem.__main__"] = {"fd2fem.cli"}
 
 HEAVY = (
     "gmsh", "cadquery", "OCP", "matplotlib", "vtk", "vtkmodules", "pandas",
-    "meshio", "skfem", "laspy", "ezdxf",
+    "meshio", "skfem", "laspy", "ezdxf", "numba", "llvmlite",
 )  # fmt: skip
 
 
@@ -125,9 +129,9 @@ def test_a_package_may_name_its_own_modules_relatively():
     assert _forbidden("from .raw import RawScan", "fd2fem.scans", is_package=True) == []
 
 
-def _heavy_after(module):
+def _heavy_after(module, heavy=HEAVY):
     """Heavy modules that a fresh interpreter has loaded after one import."""
-    code = f"import sys, {module}\nprint(*sorted(set({HEAVY!r}) & set(sys.modules)))"
+    code = f"import sys, {module}\nprint(*sorted(set({heavy!r}) & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     return done.stdout.split()
 
@@ -135,6 +139,11 @@ def _heavy_after(module):
 @pytest.mark.parametrize("module", ["fd2fem", "fd2fem.cli", "fd2fem.pipeline", "solvers", "validation"])
 def test_importing_stays_light(module):
     assert _heavy_after(module) == []
+
+
+@pytest.mark.parametrize("module", ["fd2fem.cli", "solvers"])
+def test_a_command_that_computes_nothing_needs_no_scipy(module):
+    assert _heavy_after(module, ("scipy",)) == []
 
 
 def test_the_search_for_heavy_modules_finds_one():

@@ -9,7 +9,7 @@ from typing import Any
 from fd2fem.errors import InputError
 from fd2fem.model import Comparison, QuantityComparison
 from validation.criterion import ComparisonOptions, shortfall, within_tolerance
-from validation.response import QUANTITIES
+from validation.response import FEET, QUANTITIES
 
 __all__ = ["SCHEMA", "comparison_to_dict", "judge", "write_comparison"]
 
@@ -17,7 +17,11 @@ SCHEMA = "fd2fem/comparison-1"
 
 
 def judge(
-    geometry: Comparison | None, response: Sequence[QuantityComparison], *, tolerance: float = 0.05
+    geometry: Comparison | None,
+    response: Sequence[QuantityComparison],
+    *,
+    tolerance: float = 0.05,
+    notes: Sequence[str] = (),
 ) -> Comparison:
     """Join what the facades and what the responses show into one verdict.
 
@@ -29,6 +33,8 @@ def judge(
         Empty where only geometry was compared.
     tolerance : float
         The one that both were compared with.
+    notes : sequence of str
+        What a reader of the figures must know.
 
     Returns
     -------
@@ -67,12 +73,15 @@ def judge(
     reasons += [_reason(quantity, tolerance) for quantity in gated if not _passes(quantity, tolerance)]
     passed = not reasons and (geometry is None or geometry.passed)
     details = geometry.geometry if geometry is not None else {}
-    return Comparison(tolerance, passed, details, tuple(response), tuple(reasons))
+    return Comparison(tolerance, passed, details, tuple(response), tuple(reasons), tuple(notes))
 
 
 def _passes(quantity: QuantityComparison, tolerance: float) -> bool:
     """Whether a quantity passes; its figures and its own word must say the same."""
     passes = within_tolerance(quantity.candidate, quantity.reference, tolerance=tolerance)
+    if quantity.quantity == FEET:  # a vector: its figures are lengths, which agree where directions differ
+        relative = quantity.relative_difference
+        passes = quantity.passed if relative is None else relative <= tolerance
     if passes != quantity.passed:
         msg = (
             f"'{quantity.quantity}' says passed = {quantity.passed}, but {quantity.candidate} against "
@@ -84,12 +93,23 @@ def _passes(quantity: QuantityComparison, tolerance: float) -> bool:
 
 def _reason(quantity: QuantityComparison, tolerance: float) -> str:
     """Sentence for a quantity that falls short."""
+    if quantity.quantity == FEET:
+        return _feet_reason(quantity.relative_difference, tolerance)
     known = {q.key: (q.label, q.unit) for q in QUANTITIES}
     label, unit = known.get(quantity.quantity, (quantity.quantity, ""))
     candidate, reference = quantity.candidate, quantity.reference
     if not (math.isfinite(candidate) and math.isfinite(reference)):
         return f"{label} is not a finite number: {candidate} against {reference}"
     return shortfall(label, candidate, reference, tolerance=tolerance, unit=unit).rstrip()
+
+
+def _feet_reason(relative: float | None, tolerance: float) -> str:
+    if relative is None:
+        return "the walls do not stand on the same number of feet"
+    return (
+        f"forces of the ground on the feet differ by {100.0 * relative:.3g} % of the reference's "
+        f"(tolerance {100.0 * tolerance:.3g} %)"
+    )
 
 
 def comparison_to_dict(comparison: Comparison) -> dict[str, Any]:
@@ -99,6 +119,7 @@ def comparison_to_dict(comparison: Comparison) -> dict[str, Any]:
         "tolerance": comparison.tolerance,
         "passed": comparison.passed,
         "reasons": list(comparison.reasons),
+        "notes": list(comparison.notes),
         "geometry": dict(comparison.geometry),
         "response": [
             {

@@ -40,6 +40,8 @@ class Comparison:
         Empty where only geometry was compared.
     reasons : tuple of str
         One sentence for each thing that falls short.
+    notes : tuple of str
+        What a reader of the figures must know, whatever the verdict.
     """
 
     tolerance: float
@@ -47,3 +49,4 @@ class Comparison:
     geometry: Mapping[str, Any]
     response: tuple[QuantityComparison, ...] = ()
     reasons: tuple[str, ...] = field(default_factory=tuple)
+    notes: tuple[str, ...] = ()

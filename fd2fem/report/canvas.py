@@ -18,6 +18,7 @@ __all__ = [
     "OPENING",
     "REFERENCE",
     "WALL",
+    "height_of",
     "new_figure",
     "patches",
     "save",
@@ -26,6 +27,12 @@ __all__ = [
 WALL, OPENING, OCCLUSION = "#b5763f", "#3f7fb5", "#8a8a8a"
 BOUNDARY, INK = "#c22f2f", "#222222"
 CANDIDATE, REFERENCE = "#c2571a", "#1a5fc2"
+
+
+def height_of(points: NDArray[np.float64], width: float = 4.2) -> float:
+    """Height of a figure, inches, whose axes are `width` wide and show these (n, 2) points."""
+    extent = np.ptp(points, axis=0)
+    return float(np.clip(width * extent[1] / max(extent[0], 1e-9), 3.0, 9.0)) + 0.8
 
 
 def new_figure(columns: int, *, height: float, width: float = 4.2) -> "tuple[Figure, NDArray[Any]]":

@@ -12,8 +12,6 @@ from fd2fem.model import (
     FacadePoints,
     HoleKind,
     Reconstruction,
-    Response,
-    VolumeMesh,
     rectangle,
 )
 from fd2fem.report.canvas import (
@@ -24,6 +22,7 @@ from fd2fem.report.canvas import (
     OPENING,
     REFERENCE,
     WALL,
+    height_of,
     new_figure,
     patches,
     save,
@@ -33,10 +32,8 @@ __all__ = [
     "draw_boundary",
     "draw_comparison",
     "draw_lines",
-    "draw_mesh",
     "draw_openings",
     "draw_relief",
-    "draw_response",
     "draw_scan",
     "draw_voxels",
 ]
@@ -47,12 +44,6 @@ DOTS = 60_000
 """More points than this do not show in a picture."""
 
 
-def _height(points: FloatArray, width: float = 4.2) -> float:
-    """Height of a figure, inches, whose axes are `width` wide and show these (n, 2) points."""
-    extent = np.ptp(points, axis=0)
-    return float(np.clip(width * extent[1] / max(extent[0], 1e-9), 3.0, 9.0)) + 0.8
-
-
 def _some(points: FloatArray) -> FloatArray:
     """At most `DOTS` of the points."""
     return points[:: max(1, len(points) // DOTS)]
@@ -61,7 +52,7 @@ def _some(points: FloatArray) -> FloatArray:
 def draw_scan(points: FacadePoints, path: Path) -> None:
     """The sorted scan, from the front and from above."""
     low, high = points.xz.min(axis=0) - 3.0, points.xz.max(axis=0) + 3.0
-    figure, axes = new_figure(2, height=_height(points.xz))
+    figure, axes = new_figure(2, height=height_of(points.xz))
     kinds = (
         ("behind", points.behind, OPENING),
         ("on the wall", np.insert(points.xz, 1, points.depth, axis=1), WALL),
@@ -84,7 +75,7 @@ def draw_scan(points: FacadePoints, path: Path) -> None:
 def draw_boundary(reconstruction: Reconstruction, path: Path) -> None:
     """Boundary points, and the distribution of edge lengths with the threshold (figure 4)."""
     points, boundary = reconstruction.points, reconstruction.boundary
-    figure, axes = new_figure(2, height=_height(points.xz))
+    figure, axes = new_figure(2, height=height_of(points.xz))
     shown = _some(points.xz)
     axes[0].plot(shown[:, 0], shown[:, 1], ",", color="#c9c9c9", rasterized=True)
     edge = points.xz[boundary.points]
@@ -102,7 +93,7 @@ def draw_boundary(reconstruction: Reconstruction, path: Path) -> None:
 def draw_openings(reconstruction: Reconstruction, path: Path) -> None:
     """Holes with their verdicts, and the quadtree (figures 5 and 7)."""
     points, tree = reconstruction.points, reconstruction.quadtree
-    figure, axes = new_figure(2, height=_height(points.xz))
+    figure, axes = new_figure(2, height=height_of(points.xz))
     for kind, colour in ((HoleKind.OPENING, OPENING), (HoleKind.OCCLUSION, OCCLUSION)):
         loops = [hole.loop for hole in reconstruction.holes if hole.kind is kind]
         patches(axes[0], loops, colour, alpha=0.7)
@@ -137,7 +128,7 @@ def _boxes(lower: FloatArray, upper: FloatArray) -> FloatArray:
 def draw_lines(reconstruction: Reconstruction, path: Path) -> None:
     """Boundary lines and the points that they run through (figure 8)."""
     points, facade = reconstruction.points, reconstruction.facade
-    figure, axes = new_figure(2, height=_height(points.xz))
+    figure, axes = new_figure(2, height=height_of(points.xz))
     shown = _some(points.xz)
     for axis in axes:
         axis.plot(shown[:, 0], shown[:, 1], ",", color="#c9c9c9", rasterized=True)
@@ -163,7 +154,7 @@ def draw_relief(reconstruction: Reconstruction, path: Path) -> None:
     points, rays, facade = reconstruction.points, reconstruction.rays, reconstruction.facade
     from matplotlib.colors import ListedColormap
 
-    figure, axes = new_figure(2, height=_height(points.xz))
+    figure, axes = new_figure(2, height=height_of(points.xz))
     relief = points.relief
     ends = relief.low + relief.cell * (np.array(relief.values.shape) - 0.5)
     # On a plain wall the colours would else show tenths of a millimetre as a bulge.
@@ -206,7 +197,7 @@ def draw_relief(reconstruction: Reconstruction, path: Path) -> None:
 def draw_voxels(reconstruction: Reconstruction, path: Path) -> None:
     """Full voxels after the flying-voxel tests, and one flight of each kind (figures 9 and 10)."""
     voxels, facade = reconstruction.voxels, reconstruction.facade
-    figure, axes = new_figure(2, height=_height(facade.outline))
+    figure, axes = new_figure(2, height=height_of(facade.outline))
     full = voxels.state == CellState.FULL
     for axis in axes:
         patches(axis, list(_boxes(voxels.lower[full], voxels.upper[full])), WALL, edge="#6b4a2a")
@@ -225,63 +216,9 @@ def draw_voxels(reconstruction: Reconstruction, path: Path) -> None:
     save(figure, path)
 
 
-def draw_mesh(mesh: VolumeMesh, response: Response, path: Path) -> None:
-    """The mesh with its named groups, and the imposed displacements (figures 19b and 20b)."""
-    figure, axes = new_figure(2, height=_height(mesh.nodes[:, [0, 2]]))
-    front = mesh.nodes[:, [0, 2]][mesh.groups["front"]]
-    patches(axes[0], list(front), "#f2e3d3", edge=INK)
-    axes[0].set_title(f"{len(mesh.elements):,} elements")
-    patches(axes[1], list(front), "#f2e3d3")
-    base = mesh.group_nodes("base")
-    base = base[np.abs(mesh.nodes[base, 1]) < 1e-9]
-    where, move = mesh.nodes[base], response.displacement[base]
-    scale = 0.1 * np.ptp(mesh.nodes[:, 2]) / max(np.abs(move).max(), 1e-12)
-    axes[1].quiver(
-        where[:, 0],
-        where[:, 2],
-        move[:, 0] * scale,
-        move[:, 2] * scale,
-        angles="xy",
-        scale_units="xy",
-        scale=1,
-        color=BOUNDARY,
-        width=0.004,
-    )
-    reach = 0.12 * np.ptp(mesh.nodes[:, 2])
-    low, high = mesh.nodes.min(axis=0), mesh.nodes.max(axis=0)
-    axes[1].set(xlim=(low[0] - reach, high[0] + reach), ylim=(low[2] - reach, high[2] + reach))
-    axes[1].set_title(f"imposed displacements, x{scale:.0f}")
-    save(figure, path)
-
-
-def draw_response(response: Response, path: Path, *, title: str) -> None:
-    """Displacement on the deformed wall and first principal stress (figures 19c-d and 20c-d)."""
-    mesh = response.mesh
-    figure, axes = new_figure(2, height=_height(mesh.nodes[:, [0, 2]]), width=4.8)
-    scale = 0.05 * np.ptp(mesh.nodes[:, 2]) / max(response.max_displacement, 1e-12)
-    moved = mesh.nodes + scale * response.displacement
-    size = 1000.0 * np.linalg.norm(response.displacement, axis=1)
-    tension = response.principal_stress[:, 0] / 1e6
-    # Singular at the corners: the colours stop at the 99th percentile, the title gives the maximum.
-    top = float(np.percentile(tension, 99))
-    facets = mesh.groups["front"]
-    triangles = np.concatenate([facets[:, [0, 1, 2]], facets[:, [0, 2, 3]]])
-    for axis, nodes, values, limit, text in (
-        (axes[0], moved, size, None, f"displacement, mm (x{scale:.0f}): max {size.max():.1f}"),
-        (axes[1], mesh.nodes, tension, top, f"σ1, MPa: max {tension.max():.2f}"),
-    ):
-        picture = axis.tripcolor(
-            nodes[:, 0], nodes[:, 2], triangles, values, shading="gouraud", cmap="turbo", vmax=limit
-        )
-        figure.colorbar(picture, ax=axis, shrink=0.6)
-        axis.set_title(text, fontsize=9)
-    figure.suptitle(title, fontsize=10)
-    save(figure, path)
-
-
 def draw_comparison(candidate: Facade, reference: Facade, comparison: Comparison, path: Path) -> None:
     """Both outlines over one another, and the relative differences beside the tolerance."""
-    figure, axes = new_figure(2, height=_height(reference.outline))
+    figure, axes = new_figure(2, height=height_of(reference.outline))
     for facade, colour, style, name in (
         (reference, REFERENCE, "-", "reference"),
         (candidate, CANDIDATE, "--", "candidate"),

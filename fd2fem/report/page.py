@@ -5,8 +5,9 @@ from html import escape
 from pathlib import Path
 from string import Template
 
-from fd2fem.model import Model, RunResult
-from fd2fem.report import figures
+from fd2fem.model import Model, Response, RunResult
+from fd2fem.report import figures, wall_figures
+from fd2fem.report.tables import damage_rows, foot_rows, step_rows
 
 __all__ = ["write_report"]
 
@@ -35,8 +36,11 @@ CAPTIONS = (
     ("05_voxels.png", "Full voxels after the flying-voxel tests."),
     ("06_mesh.png", "The mesh and the settlement imposed on its base."),
     ("07_response.png", "Response of the scan-derived model."),
+    ("07_cracks.png", "Cracks of the scan-derived model, and the largest tension on the way there."),
+    ("07_load_settlement.png", "Forces on its feet, largest crack and energies while the ground settles."),
     ("08_reference.png", "Response of the drawing-derived model."),
     ("09_comparison.png", "Candidate against reference."),
+    ("09_cracks.png", "Cracks of both."),
 )
 
 
@@ -56,16 +60,27 @@ def write_report(result: RunResult, folder: Path) -> None:
     figures.draw_relief(rebuilt, folder / "03_rays.png")
     figures.draw_lines(rebuilt, folder / "04_lines.png")
     figures.draw_voxels(rebuilt, folder / "05_voxels.png")
-    figures.draw_mesh(result.mesh, result.response, folder / "06_mesh.png")
-    figures.draw_response(result.response, folder / "07_response.png", title="scan-derived model")
+    response = result.response
+    wall_figures.draw_mesh(result.mesh, response, folder / "06_mesh.png")
+    wall_figures.draw_response(response, folder / "07_response.png", title="scan-derived model")
+    if response.knows_cracks:
+        wall_figures.draw_cracks(response, folder / "07_cracks.png")
+    if response.history:
+        wall_figures.draw_steps(response, folder / "07_load_settlement.png")
     reference = result.reference or Model(None, None)
     if reference.response is not None:
-        figures.draw_response(reference.response, folder / "08_reference.png", title="drawing-derived model")
+        _draw_reference(response, reference.response, folder)
     if reference.facade is not None and result.comparison is not None:
         figures.draw_comparison(
             rebuilt.facade, reference.facade, result.comparison, folder / "09_comparison.png"
         )
     (folder / "report.html").write_text(_page(result, folder), encoding="utf-8")
+
+
+def _draw_reference(response: Response, reference: Response, folder: Path) -> None:
+    wall_figures.draw_response(reference, folder / "08_reference.png", title="drawing-derived model")
+    if response.knows_cracks and reference.knows_cracks:
+        wall_figures.draw_cracked_walls(response, reference, folder / "09_cracks.png")
 
 
 def _page(result: RunResult, folder: Path) -> str:
@@ -79,15 +94,29 @@ def _page(result: RunResult, folder: Path) -> str:
     return PAGE.substitute(
         title=escape(f"Facade of {facade.length:.2f} x {facade.height:.2f} m"),
         verdict=_verdict(result),
-        tables=_openings_table(result) + _filled_table(result) + _response_table(result),
+        tables="".join(
+            (
+                _openings_table(result),
+                _filled_table(result),
+                _response_table(result),
+                _table(("damage of the scan-derived model", ""), damage_rows(result.response)),
+                _table(("foot, x in m", "along, kN", "upwards, kN", "share"), foot_rows(result.response)),
+                _table(("steps of the settlement", ""), step_rows(result.response)),
+            )
+        ),
         figures="\n".join(pictures),
     )
 
 
 def _verdict(result: RunResult) -> str:
     """One paragraph: whether the scan-derived model answers like the drawing-derived one."""
-    warnings = result.reconstruction.facade.record.get("warnings", ())
+    warnings = (
+        *result.reconstruction.facade.record.get("warnings", ()),
+        *result.response.solver.get("warnings", ()),
+    )
     text = "".join(f'<p class="short">Warning: {escape(str(warning))}</p>' for warning in warnings)
+    if result.comparison is not None:
+        text += "".join(f"<p>Note: {escape(note)}.</p>" for note in result.comparison.notes)
     if result.comparison is None:
         return text + "<p>No reference was given, so nothing was compared.</p>"
     tolerance = f"{100 * result.comparison.tolerance:g} %"
@@ -98,7 +127,9 @@ def _verdict(result: RunResult) -> str:
 
 
 def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
-    """An HTML table."""
+    """An HTML table; nothing if it has no rows."""
+    if not rows:
+        return ""
     lines = ["<tr>" + "".join(f"<th>{escape(cell)}</th>" for cell in head) + "</tr>"]
     lines += ["<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows]
     return "<table>" + "\n".join(lines) + "</table>\n"
@@ -146,6 +177,9 @@ def _response_table(result: RunResult) -> str:
             ("largest displacement, mm", f"{1000 * response.max_displacement:.1f}"),
             ("largest first principal stress, MPa", f"{response.max_principal_stress / 1e6:.3f}"),
         ]
+        if response.history:
+            final = f"{response.final_principal_stress / 1e6:.3f}"
+            values.append(("the same in the last step, MPa", final))
         return _table(("quantity", "value"), values)
     rows = [
         (name, f"{entry['candidate']:.3f}", f"{entry['reference']:.3f}", _percent(entry["relative_error"]))

@@ -10,30 +10,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers.compiled.jit import compiled
-from solvers.compiled.point_update import PointState, Workspace, new_workspace, update_point
-from solvers.compiled.return_map import CONE, PLANES, PointLaw, Softening
-from solvers.compiled.stiffness import Rule, elastic_matrix, element_gradients, element_nodes
+from solvers.compiled.point_tangent import point_tangent
+from solvers.compiled.point_update import PointState, elastic_stress, return_point, stays_elastic
+from solvers.compiled.return_map import PLANES, PointLaw, Softening
+from solvers.compiled.stiffness import Rule, element_gradients, element_nodes
+from solvers.compiled.workspace import Workspace, new_workspace
 
 __all__ = [
     "Body",
     "Chunk",
-    "Condensed",
     "Motion",
     "PointFields",
     "Strengths",
     "add_forces",
     "chunk_of",
     "point_forces",
-    "tangent_matrices",
     "update_points",
 ]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 ByteArray = NDArray[np.uint8]
-
-ELASTIC, ASSOCIATED, NON_ASSOCIATED = 0, 1, 2
-"""What happens in an element: nothing yields; cracks alone; the cone, whose tangent is not symmetric."""
 
 
 class Body(NamedTuple):
@@ -80,40 +77,30 @@ class Strengths(NamedTuple):
 class Chunk(NamedTuple):
     """The elements from `start` on, as the points' update leaves them.
 
-    `gradients` (c, q, b + k, 3), 1/m, those of the modes last; `volumes` (c, q), m³; `tangents`
-    (c, q, 6, 6), Pa, and `yields` (c,), which of ELASTIC, ASSOCIATED and NON_ASSOCIATED.
+    `gradients` (c, q, b + k, 3), 1/m, those of the modes last; `volumes` (c, q), m³; `strains` (c, q, 6);
+    `active` (c, q), the active sets, 0 where a point is elastic; `tangents` (c, q, 6, 6), Pa, where it is
+    not. A chunk without room for tangents is one whose forces alone are wanted.
     """
 
     start: int
     gradients: FloatArray
     volumes: FloatArray
+    strains: FloatArray
+    active: ByteArray
     tangents: FloatArray
-    yields: ByteArray
 
 
-class Condensed(NamedTuple):
-    """Elements whose modes are condensed out.
-
-    `matrices` (c, 3b, 3b), N/m; `forces` (c, 3b), N, out of balance of the modes included; `follow`
-    (c, 3k, 3b) and `lag` (c, 3k): the modes change by -(lag + follow · change of displacement).
-    """
-
-    matrices: FloatArray
-    forces: FloatArray
-    follow: FloatArray
-    lag: FloatArray
-
-
-def chunk_of(body: Body, part: slice) -> Chunk:
-    """Arrays for the elements of a slice, to be filled."""
+def chunk_of(body: Body, part: slice, *, tangents: bool) -> Chunk:
+    """Arrays for the elements of a slice, to be filled; `tangents`: whether there is room for those."""
     count, points = part.stop - part.start, len(body.rule.weights)
     size = body.rule.gradients.shape[2] + body.rule.modes.shape[2]
     return Chunk(
         part.start,
         np.empty((count, points, size, 3)),
         np.empty((count, points)),
-        np.empty((count, points, 6, 6)),
-        np.empty(count, dtype=np.uint8),
+        np.empty((count, points, 6)),
+        np.empty((count, points), dtype=np.uint8),
+        np.empty((count if tangents else 0, points, 6, 6)),
     )
 
 
@@ -132,59 +119,99 @@ def update_points(
     `after` receives it. The tangents, not the stresses, gain `stabiliser` times the elastic one where a point
     yields.
     """
-    count = body.rule.gradients.shape[2]
-    moved, strain, work = np.empty((chunk.gradients.shape[2], 3)), np.empty(6), new_workspace()
     for c in range(len(chunk.volumes)):
-        e = chunk.start + c
-        nodes = element_nodes(body.points, body.connectivity, e, body.rule.geometry.shape[2])
+        nodes = element_nodes(body.points, body.connectivity, chunk.start + c, body.rule.geometry.shape[2])
         element_gradients(nodes, body.rule, chunk.gradients[c], chunk.volumes[c])
-        for b in range(count):
-            moved[b] = motion.displacement[body.connectivity[e, b]]
-        for b in range(count, len(moved)):
-            moved[b] = motion.modes[e, 3 * (b - count) : 3 * (b - count) + 3]
-        yields = ELASTIC
-        for q in range(chunk.volumes.shape[1]):
-            _strain(chunk.gradients[c, q], moved, strain)
-            soft = Softening(
-                strengths.tensile[e, q], strengths.ductility[e], strengths.floor, before.kappa[e, q]
-            )
-            state = PointState(before.inelastic[e, q], before.kappa[e, q], before.cone[e, q])
-            active = update_point(strain, state, body.law, soft, work)
-            _remember(active, before, after, e, q, work)
-            if active:
-                _stabilise(body.law, stabiliser, work)
-                yields = NON_ASSOCIATED if active & CONE else max(yields, ASSOCIATED)
-            chunk.tangents[c, q] = work.tangent
-        chunk.yields[c] = yields
+    _strains(body.connectivity, motion, chunk)
+    _respond(body.law, strengths, before, after, chunk, stabiliser)
 
 
 @compiled
-def _strain(g: FloatArray, moved: FloatArray, strain: FloatArray) -> None:
-    """Strain (6,) from displacements (b, 3)."""
-    strain[:] = 0.0
-    for b in range(len(g)):
-        x, y, z = g[b]
-        u, v, w = moved[b]
-        strain[0] += x * u
-        strain[1] += y * v
-        strain[2] += z * w
-        strain[3] += y * u + x * v
-        strain[4] += z * v + y * w
-        strain[5] += z * u + x * w
-
-
-@compiled
-def _remember(active: int, before: PointFields, after: PointFields, e: int, q: int, work: Workspace) -> None:
-    """Write the new state of a point."""
-    after.stress[e, q] = work.stress
-    after.inelastic[e, q] = work.inelastic
-    after.crack[e, q] = before.crack[e, q]
-    after.kappa[e, q] = before.kappa[e, q] + work.g[1] + work.g[2] + work.g[3]
-    after.cone[e, q] = before.cone[e, q] + work.g[0]
-    if active & PLANES:
+def _strains(connectivity: IntArray, motion: Motion, chunk: Chunk) -> None:
+    """Strains at the points of a chunk's elements."""
+    start, gradients, volumes, strains, _, _ = chunk
+    displacement, amplitudes = motion
+    count, size = connectivity.shape[1], gradients.shape[2]
+    moved = np.empty((size, 3))
+    for c in range(len(volumes)):
         for i in range(3):
+            for b in range(count):
+                moved[b, i] = displacement[connectivity[start + c, b], i]
+            for b in range(count, size):
+                moved[b, i] = amplitudes[start + c, 3 * (b - count) + i]
+        for q in range(volumes.shape[1]):
+            xx = yy = zz = xy = yz = xz = 0.0
+            for b in range(size):
+                x, y, z = gradients[c, q, b, 0], gradients[c, q, b, 1], gradients[c, q, b, 2]
+                u, v, w = moved[b, 0], moved[b, 1], moved[b, 2]
+                xx += x * u
+                yy += y * v
+                zz += z * w
+                xy += y * u + x * v
+                yz += z * v + y * w
+                xz += z * u + x * w
+            strains[c, q, 0], strains[c, q, 1], strains[c, q, 2] = xx, yy, zz
+            strains[c, q, 3], strains[c, q, 4], strains[c, q, 5] = xy, yz, xz
+
+
+@compiled
+def _respond(
+    law: PointLaw,
+    strengths: Strengths,
+    before: PointFields,
+    after: PointFields,
+    chunk: Chunk,
+    stabiliser: float,
+) -> None:
+    """States, active sets and tangents at the strains of a chunk."""
+    # Arrays by name: an attribute of a record or a view of a row would be counted, by all threads in turn,
+    # which takes longer than an elastic point's arithmetic.
+    start, _, volumes, strains, active, tangents = chunk
+    inelastic, crack, kappa, cone, _ = before
+    new_inelastic, new_crack, new_kappa, new_cone, new_stress = after
+    tensile, ductility, floor = strengths
+    work = new_workspace()
+    for c in range(len(volumes)):
+        e = start + c
+        for q in range(volumes.shape[1]):
+            soft = Softening(tensile[e, q], ductility[e], floor, kappa[e, q])
+            stress = elastic_stress(
+                law,
+                strains[c, q, 0] - inelastic[e, q, 0],
+                strains[c, q, 1] - inelastic[e, q, 1],
+                strains[c, q, 2] - inelastic[e, q, 2],
+                strains[c, q, 3] - inelastic[e, q, 3],
+                strains[c, q, 4] - inelastic[e, q, 4],
+                strains[c, q, 5] - inelastic[e, q, 5],
+            )
+            active[c, q] = 0
+            new_kappa[e, q], new_cone[e, q] = kappa[e, q], cone[e, q]
             for r in range(6):
-                after.crack[e, q, r] += (1.0 if r < 3 else 2.0) * work.g[i + 1] * work.modes[i, r]
+                new_stress[e, q, r] = stress[r]
+                new_inelastic[e, q, r] = inelastic[e, q, r]
+                new_crack[e, q, r] = crack[e, q, r]
+            if stays_elastic(stress, law, soft, cone[e, q]):
+                continue
+            state = PointState(inelastic[e, q], kappa[e, q], cone[e, q])
+            active[c, q], now = return_point(strains[c, q], state, law, soft, work)
+            _remember(active[c, q], after, e, q, work)
+            if active[c, q] and len(tangents):
+                point_tangent(active[c, q], now, soft, work)
+                _stabilise(law, stabiliser, work)
+                tangents[c, q] = work.tangent
+
+
+@compiled
+def _remember(active: int, after: PointFields, e: int, q: int, work: Workspace) -> None:
+    """Add what a point did to the state that it had."""
+    g, modes = work.g, work.modes
+    after.kappa[e, q] += g[1] + g[2] + g[3]
+    after.cone[e, q] += g[0]
+    for r in range(6):
+        after.stress[e, q, r], after.inelastic[e, q, r] = work.stress[r], work.inelastic[r]
+        if active & PLANES:
+            opened = g[1] * modes[0, r] + g[2] * modes[1, r] + g[3] * modes[2, r]
+            after.crack[e, q, r] += (1.0 if r < 3 else 2.0) * opened
 
 
 @compiled
@@ -200,15 +227,17 @@ def _stabilise(law: PointLaw, part: float, work: Workspace) -> None:
 def point_forces(chunk: Chunk, stress: FloatArray, forces: FloatArray) -> None:
     """Forces (c, 3 (b + k)), N, of the stress (e, q, 6), Pa, in a chunk's elements; the modes' last."""
     forces[:] = 0.0
-    for c in range(len(chunk.volumes)):
-        for q in range(chunk.volumes.shape[1]):
-            s = stress[chunk.start + c, q]
-            for b in range(chunk.gradients.shape[2]):
-                x, y, z = chunk.gradients[c, q, b]
-                volume = chunk.volumes[c, q]
-                forces[c, 3 * b] += volume * (s[0] * x + s[3] * y + s[5] * z)
-                forces[c, 3 * b + 1] += volume * (s[1] * y + s[3] * x + s[4] * z)
-                forces[c, 3 * b + 2] += volume * (s[2] * z + s[4] * y + s[5] * x)
+    start, gradients, volumes, _, _, _ = chunk
+    for c in range(len(volumes)):
+        for q in range(volumes.shape[1]):
+            volume, e = volumes[c, q], start + c
+            xx, yy, zz = volume * stress[e, q, 0], volume * stress[e, q, 1], volume * stress[e, q, 2]
+            xy, yz, xz = volume * stress[e, q, 3], volume * stress[e, q, 4], volume * stress[e, q, 5]
+            for b in range(gradients.shape[2]):
+                x, y, z = gradients[c, q, b, 0], gradients[c, q, b, 1], gradients[c, q, b, 2]
+                forces[c, 3 * b] += xx * x + xy * y + xz * z
+                forces[c, 3 * b + 1] += yy * y + xy * x + yz * z
+                forces[c, 3 * b + 2] += zz * z + yz * y + xz * x
 
 
 @compiled
@@ -218,69 +247,3 @@ def add_forces(forces: FloatArray, connectivity: IntArray, total: FloatArray) ->
         for b in range(connectivity.shape[1]):
             for i in range(3):
                 total[3 * connectivity[c, b] + i] += forces[c, 3 * b + i]
-
-
-@compiled
-def tangent_matrices(
-    chunk: Chunk, law: PointLaw, forces: FloatArray, symmetric: bool, out: Condensed
-) -> None:
-    """Tangent stiffness of a chunk's elements, and the forces (c, 3 (b + k)) with their modes condensed out.
-
-    Where the cone yields, the tangent is not symmetric; its symmetric part is taken if that is asked for.
-    """
-    kept, rows = out.forces.shape[1], forces.shape[1]
-    K, f, scratch = np.empty((rows, rows)), np.empty(rows), np.empty((rows, rows))
-    for c in range(len(chunk.volumes)):
-        if chunk.yields[c] == ELASTIC:
-            elastic_matrix(chunk.gradients[c], chunk.volumes[c], law.lame, law.shear, scratch, K)
-        else:
-            K[:] = 0.0
-            for q in range(chunk.volumes.shape[1]):
-                _add_tangent(chunk.gradients[c, q], chunk.volumes[c, q], chunk.tangents[c, q], K)
-        if symmetric and chunk.yields[c] == NON_ASSOCIATED:
-            for i in range(rows):
-                for j in range(i):
-                    K[i, j] = K[j, i] = 0.5 * (K[i, j] + K[j, i])
-        f[:] = forces[c]
-        if rows > kept:
-            _condense_modes(K, f, kept)
-            out.follow[c] = K[kept:, :kept]
-            out.lag[c] = f[kept:]
-        out.matrices[c] = K[:kept, :kept]
-        out.forces[c] = f[:kept]
-
-
-@compiled
-def _add_tangent(g: FloatArray, volume: float, D: FloatArray, K: FloatArray) -> None:
-    """Add Bᵀ D B dV of a point."""
-    size = len(g)
-    DB = np.empty((6, 3 * size))
-    for b in range(size):
-        x, y, z = g[b, 0] * volume, g[b, 1] * volume, g[b, 2] * volume
-        for r in range(6):
-            DB[r, 3 * b] = D[r, 0] * x + D[r, 3] * y + D[r, 5] * z
-            DB[r, 3 * b + 1] = D[r, 1] * y + D[r, 3] * x + D[r, 4] * z
-            DB[r, 3 * b + 2] = D[r, 2] * z + D[r, 4] * y + D[r, 5] * x
-    for a in range(size):
-        x, y, z = g[a]
-        for c in range(3 * size):
-            K[3 * a, c] += x * DB[0, c] + y * DB[3, c] + z * DB[5, c]
-            K[3 * a + 1, c] += y * DB[1, c] + x * DB[3, c] + z * DB[4, c]
-            K[3 * a + 2, c] += z * DB[2, c] + y * DB[4, c] + x * DB[5, c]
-
-
-@compiled
-def _condense_modes(K: FloatArray, f: FloatArray, kept: int) -> None:
-    """Eliminate the modes, in place: Gauss-Jordan on their rows, which then say how they follow."""
-    rows = len(K)
-    for pivot in range(kept, rows):
-        scale = 1.0 / K[pivot, pivot]
-        for j in range(rows):
-            K[pivot, j] *= scale
-        f[pivot] *= scale
-        for i in range(rows):
-            factor = K[i, pivot]
-            if i != pivot and factor != 0.0:
-                for j in range(rows):
-                    K[i, j] -= factor * K[pivot, j]
-                f[i] -= factor * f[pivot]

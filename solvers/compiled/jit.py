@@ -1,17 +1,18 @@
 """numba, typed; and chunks of elements on all cores.
 
 Functions are compiled at their first call and kept on disk for the next process. They release Python's
-lock, so that plain threads run them side by side.
+lock, so that plain threads run them side by side. numba, which takes most of a second to load, is not needed
+before.
 """
 
 import os
+import threading
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from functools import update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar, cast
-
-from numba import njit
 
 __all__ = ["CHUNK", "compiled", "in_chunks"]
 
@@ -38,9 +39,37 @@ CHUNK = 512
 """Elements per chunk: what bounds the memory of their matrices."""
 
 
+class _Compiled:
+    """A function that numba is asked for when it is called, or when another one that calls it is compiled."""
+
+    _lock = threading.Lock()
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        update_wrapper(self, function)
+        self._function = function
+        self._dispatcher: Any = None
+
+    def _dispatch(self) -> Any:
+        # Two threads must not both make one, and compile it twice.
+        with self._lock:
+            if self._dispatcher is None:
+                from numba import njit
+
+                self._dispatcher = njit(cache=True, nogil=True, error_model="numpy")(self._function)
+        return self._dispatcher
+
+    @property
+    def _numba_type_(self) -> Any:
+        """By which numba knows it within another function."""
+        return self._dispatch()._numba_type_
+
+    def __call__(self, *arguments: Any) -> Any:
+        return (self._dispatcher or self._dispatch())(*arguments)
+
+
 def compiled(function: F) -> F:
     """Compile a function of numbers and arrays."""
-    return cast("F", njit(cache=True, nogil=True, error_model="numpy")(function))
+    return cast("F", _Compiled(function))
 
 
 def in_chunks(count: int, task: Callable[[slice], T]) -> Iterator[tuple[slice, T]]:

@@ -76,18 +76,25 @@ class Rule(NamedTuple):
 
 
 @compiled
-def _jacobian(nodes: FloatArray, table: FloatArray, inverse: FloatArray) -> float:
-    """Determinant of dx/dxi from nodes (g, 3) and gradients (3, g); dxi/dx into `inverse`, space first."""
-    J = np.zeros((3, 3))
-    for k in range(3):
-        for n in range(table.shape[1]):
-            for j in range(3):
-                J[k, j] += table[k, n] * nodes[n, j]
-    for i in range(3):
-        for j in range(3):
-            a, b, c, d = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
-            inverse[j, i] = J[a, c] * J[b, d] - J[a, d] * J[b, c]
-    determinant = J[0, 0] * inverse[0, 0] + J[0, 1] * inverse[1, 0] + J[0, 2] * inverse[2, 0]
+def _jacobian(nodes: FloatArray, tables: FloatArray, q: int, inverse: FloatArray) -> float:
+    """Determinant of dx/dxi from nodes (g, 3) and gradients (3, g) at point q; dxi/dx, space first."""
+    ax = ay = az = bx = by = bz = cx = cy = cz = 0.0
+    for n in range(tables.shape[2]):
+        a, b, c = tables[q, 0, n], tables[q, 1, n], tables[q, 2, n]
+        x, y, z = nodes[n, 0], nodes[n, 1], nodes[n, 2]
+        ax += a * x
+        ay += a * y
+        az += a * z
+        bx += b * x
+        by += b * y
+        bz += b * z
+        cx += c * x
+        cy += c * y
+        cz += c * z
+    inverse[0, 0], inverse[1, 0], inverse[2, 0] = by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx
+    inverse[0, 1], inverse[1, 1], inverse[2, 1] = cy * az - cz * ay, cz * ax - cx * az, cx * ay - cy * ax
+    inverse[0, 2], inverse[1, 2], inverse[2, 2] = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    determinant = ax * inverse[0, 0] + ay * inverse[1, 0] + az * inverse[2, 0]
     for i in range(3):
         for j in range(3):
             inverse[i, j] /= determinant
@@ -100,26 +107,24 @@ def element_gradients(nodes: FloatArray, rule: Rule, gradients: FloatArray, volu
 
     Those of the m incompatible modes come last; a folded element has a volume that is not positive.
     """
+    # Arrays by name, not by the rule's attributes and no views of them: each would be counted, which takes
+    # longer than the arithmetic.
+    weights, _, functions, geometry, modes, centre = rule
     inverse, at_centre = np.empty((3, 3)), np.empty((3, 3))
-    count = rule.gradients.shape[2]
-    modes = rule.modes.shape[2]
-    centre = _jacobian(nodes, rule.centre, at_centre) if modes else 0.0
-    for q in range(len(rule.weights)):
-        determinant = _jacobian(nodes, rule.geometry[q], inverse)
-        volumes[q] = determinant * rule.weights[q]
+    count, more = functions.shape[2], modes.shape[2]
+    at_middle = _jacobian(nodes, centre.reshape(1, 3, centre.shape[1]), 0, at_centre) if more else 0.0
+    for q in range(len(weights)):
+        determinant = _jacobian(nodes, geometry, q, inverse)
+        volumes[q] = determinant * weights[q]
         for b in range(count):
+            x, y, z = functions[q, 0, b], functions[q, 1, b], functions[q, 2, b]
             for j in range(3):
-                gradients[q, b, j] = (
-                    inverse[j, 0] * rule.gradients[q, 0, b]
-                    + inverse[j, 1] * rule.gradients[q, 1, b]
-                    + inverse[j, 2] * rule.gradients[q, 2, b]
-                )
-        for b in range(modes):
+                gradients[q, b, j] = inverse[j, 0] * x + inverse[j, 1] * y + inverse[j, 2] * z
+        for b in range(more):
+            x, y, z = modes[q, 0, b], modes[q, 1, b], modes[q, 2, b]
             for j in range(3):
-                gradients[q, count + b, j] = (centre / determinant) * (
-                    at_centre[j, 0] * rule.modes[q, 0, b]
-                    + at_centre[j, 1] * rule.modes[q, 1, b]
-                    + at_centre[j, 2] * rule.modes[q, 2, b]
+                gradients[q, count + b, j] = (at_middle / determinant) * (
+                    at_centre[j, 0] * x + at_centre[j, 1] * y + at_centre[j, 2] * z
                 )
 
 
@@ -136,11 +141,12 @@ def element_nodes(points: FloatArray, connectivity: IntArray, e: int, count: int
 @compiled
 def element_volumes(points: FloatArray, connectivity: IntArray, rule: Rule) -> FloatArray:
     """Volumes (e, q), m³, that the integration points stand for; not positive where an element is folded."""
-    volumes, inverse = np.empty((len(connectivity), len(rule.weights))), np.empty((3, 3))
+    weights, _, _, geometry, _, _ = rule
+    volumes, inverse = np.empty((len(connectivity), len(weights))), np.empty((3, 3))
     for e in range(len(connectivity)):
-        nodes = element_nodes(points, connectivity, e, rule.geometry.shape[2])
-        for q in range(len(rule.weights)):
-            volumes[e, q] = _jacobian(nodes, rule.geometry[q], inverse) * rule.weights[q]
+        nodes = element_nodes(points, connectivity, e, geometry.shape[2])
+        for q in range(len(weights)):
+            volumes[e, q] = _jacobian(nodes, geometry, q, inverse) * weights[q]
     return volumes
 
 
@@ -221,20 +227,22 @@ def add_elements(
 
     `imposed` (3m,), m, are displacements of the prescribed components, which pull at the free ones.
     """
+    equation, starts, columns = rows
+    values, total, pull = sums
     width = 3 * connectivity.shape[1]
     dofs, equations = np.empty(width, dtype=np.int64), np.empty(width, dtype=np.int64)
     for e in range(len(connectivity)):
-        held = False
+        held, matrix = False, matrices[e]
         for i in range(width):
             dofs[i] = 3 * connectivity[e, i // 3] + i % 3
-            equations[i] = rows.equation[dofs[i]]
+            equations[i] = equation[dofs[i]]
             held |= equations[i] < 0
-            sums.forces[dofs[i]] += forces[e, i]
+            total[dofs[i]] += forces[e, i]
         if held:
-            _add_pull(matrices[e], dofs, equations, imposed, sums.pull)
+            _add_pull(matrix, dofs, equations, imposed, pull)
         for a in range(0, width, 3):
             for b in range(0, width, 3):
-                _add_block(matrices[e], equations, a, b, rows, sums.values)
+                _add_block(matrix, equations, a, b, starts, columns, values)
 
 
 @compiled
@@ -250,7 +258,13 @@ def _add_pull(
 
 @compiled
 def _add_block(
-    matrix: FloatArray, equations: Int64Array, a: int, b: int, rows: Rows, values: FloatArray
+    matrix: FloatArray,
+    equations: Int64Array,
+    a: int,
+    b: int,
+    starts: Int64Array,
+    columns: Int32Array,
+    values: FloatArray,
 ) -> None:
     """Add the block of two points, whose first components are the element's unknowns a and b.
 
@@ -262,15 +276,15 @@ def _add_block(
         first_row = equations[a + i] if equations[a + i] >= 0 else first_row
         first_column = equations[b + i] if equations[b + i] >= 0 else first_column
     # In an upper triangle the first entry of a row is its diagonal.
-    if first_row < 0 or first_column < rows.columns[rows.starts[first_row]]:
+    if first_row < 0 or first_column < columns[starts[first_row]]:
         return
-    end = rows.starts[first_row + 1]
-    left = end - _find(rows.columns, rows.starts[first_row], end, first_column)
+    end = starts[first_row + 1]
+    left = end - _find(columns, starts[first_row], end, first_column)
     for i in range(3):
         row = equations[a + i]
         if row < 0:
             continue
-        smallest, place = rows.columns[rows.starts[row]], rows.starts[row + 1] - left
+        smallest, place = columns[starts[row]], starts[row + 1] - left
         for j in range(3):
             column = equations[b + j]
             if column >= smallest:

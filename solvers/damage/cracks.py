@@ -23,7 +23,7 @@ class Cracks:
     Attributes
     ----------
     opening : (e,) float array, m
-        Width at the element's most open point; 0 where it is intact.
+        Width of the band times the element's mean strain across its crack; 0 where it is intact.
     normal : (e, 3) float array
         Unit vector across the crack; 0 where the element is intact.
     """
@@ -76,14 +76,15 @@ def element_cracks(strain: FloatArray, volumes: FloatArray, band: FloatArray) ->
     Returns
     -------
     cracks : Cracks
-        The normal is the first principal direction of the element's mean strain.
+        Width and normal are those of the first principal value of the element's mean strain: the band is as
+        wide as the element, and the law softens by the mean as well.
     """
     opening, normal = np.zeros(len(strain)), np.zeros((len(strain), 3))
     open_ = np.flatnonzero(strain.any(axis=(1, 2)))
-    tensors = strain[open_] * [1.0, 1.0, 1.0, 0.5, 0.5, 0.5]
-    opening[open_] = band[open_] * principal_axes(tensors)[0][..., 0].max(axis=1)
     weights = volumes[open_] / volumes[open_].sum(axis=1, keepdims=True)
-    normal[open_] = principal_axes(np.einsum("eqi,eq->ei", tensors, weights))[1][:, 0]
+    mean = np.einsum("eqi,eq->ei", strain[open_], weights) * [1.0, 1.0, 1.0, 0.5, 0.5, 0.5]
+    values, axes = principal_axes(mean)
+    opening[open_], normal[open_] = band[open_] * values[:, 0], axes[:, 0]
     return Cracks(opening=opening, normal=normal)
 
 

@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 
 from fd2fem.errors import ConvergenceError
 from fd2fem.model import Response, VolumeMesh
+from solvers.damage.record import damage_record
 from solvers.fem.assembly import body_force, elastic_body
 from solvers.fem.connectivity import check_supported
 from solvers.fem.elements import ElementType, Space, displacement_space
 from solvers.fem.equilibrium import Equilibrium, assemble, solve
+from solvers.fem.feet import foot_records, wall_feet
 from solvers.fem.stress import nodal_stress, point_stress, principal_stress, stress_measures
 from solvers.ground.settlement import base_displacement, settlement_record
 from solvers.options import AnalysisOptions, element_of
@@ -101,6 +103,8 @@ def analyse(mesh: VolumeMesh, *, options: AnalysisOptions | None = None) -> Resp
         strain_energy=state.strain_energy,
         dofs=space.unknowns,
         solver=_solver_record(space, state, options) | {"imbalance": _check_balance(state, weight)},
+        feet=foot_records(wall_feet(mesh, space), state.reaction[space.base], weight=weight),
+        damage=damage_record(mesh, options, displacement),
         timings={"assemble": assembled - start, "solve": solved - assembled, "stress": ended - solved},
     )
 

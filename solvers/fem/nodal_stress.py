@@ -7,7 +7,7 @@ extrapolating it gives nonsense; a node takes what the nearest point has. Other 
 ERESX,DEFA).
 
 The mean over the elements at a node, which is what is drawn, levels cracked elements with their intact
-neighbours. So the largest stress is taken before the mean.
+neighbours. The largest stress is therefore taken at the points.
 """
 
 import numpy as np

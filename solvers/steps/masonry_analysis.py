@@ -2,64 +2,42 @@
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fd2fem.errors import ConvergenceError
-from fd2fem.model import Response, VolumeMesh
+from fd2fem.model import ElementKind, Response, VolumeMesh
 from solvers.fem.connectivity import check_held, check_supported
-from solvers.fem.elements import Space
+from solvers.fem.feet import wall_feet
 from solvers.ground.settlement import base_displacement
 from solvers.masonry import MasonryLaw, check_band
 from solvers.options import AnalysisOptions, element_of
+from solvers.steps.course import Course, followed
 from solvers.steps.masonry_response import masonry_response
 from solvers.steps.nonlinear import apply_settlement
 from solvers.steps.restart import fingerprint, read_state, write_state
+from solvers.steps.step_analysis import StepAnalysis
 from solvers.steps.stepping import Snapshot
 from solvers.steps.supports import BaseKind
 from solvers.steps.wall import wall_model
-from solvers.steps.wall_model import Tangent
+from solvers.steps.wall_model import Tangent, WallModel
 from solvers.steps.wall_state import WallState, wall_state
 
 __all__ = ["StepAnalysis", "analyse_steps", "prepare", "snapshots"]
 
-FloatArray = NDArray[np.float64]
-
 UNBREAKABLE = MasonryLaw(
     tensile_strength=1e30, cohesion=1e30, fracture_energy=1e30, source="none: the wall is elastic"
+)
+TETRAHEDRA = (
+    "cracks run zigzag through tetrahedra and take up to 15 % less than the fracture energy, in bending a "
+    "third less: take hexahedra where cracks matter"
 )
 LARGEST_IMBALANCE = 1e-3
 """Difference of the reaction from the weight, relative to the weight, above which a result is refused."""
 LEAST = 1.0
 """A wall that weighs less, N, and is pressed by less, is taken to carry nothing."""
-
-
-@dataclass(frozen=True, eq=False)
-class StepAnalysis:
-    """An analysis, ready to run.
-
-    Attributes
-    ----------
-    mesh : VolumeMesh
-    options : AnalysisOptions
-    law : MasonryLaw
-    space : Space
-    tangent : Tangent
-    settled : (k, 3) float array, m
-        Displacement of the ground under the base's points when all of the settlement is applied.
-    warnings : tuple of str
-    """
-
-    mesh: VolumeMesh
-    options: AnalysisOptions
-    law: MasonryLaw
-    space: Space
-    tangent: Tangent
-    settled: FloatArray
-    warnings: tuple[str, ...]
 
 
 def prepare(mesh: VolumeMesh, *, options: AnalysisOptions) -> StepAnalysis:
@@ -93,9 +71,18 @@ def prepare(mesh: VolumeMesh, *, options: AnalysisOptions) -> StepAnalysis:
         law=law,
         space=space,
         tangent=Tangent(model, solver=options.solver),
+        feet=wall_feet(mesh, space),
         settled=base_displacement(options.settlement, space.points[space.base], extent=ends),
-        warnings=check_band(options.material, law, model.band) if options.masonry else (),
+        warnings=_warnings(mesh, options, model),
     )
+
+
+def _warnings(mesh: VolumeMesh, options: AnalysisOptions, model: WallModel) -> tuple[str, ...]:
+    """What must be said of elements that are to crack."""
+    if options.masonry is None:
+        return ()
+    wide = check_band(options.material, options.masonry, model.band)
+    return (*wide, TETRAHEDRA) if mesh.kind is ElementKind.TETRA10 else wide
 
 
 def snapshots(analysis: StepAnalysis, *, state: Path | None = None) -> Iterator[Snapshot]:
@@ -115,10 +102,17 @@ def snapshots(analysis: StepAnalysis, *, state: Path | None = None) -> Iterator[
     ConvergenceError
         If a step finds no equilibrium.
     """
+    for snapshot, _ in _states(analysis, state):
+        yield snapshot
+
+
+def _states(analysis: StepAnalysis, state: Path | None) -> Iterator[tuple[Snapshot, Course]]:
+    """As `snapshots`, with the course up to each state."""
     key = fingerprint(analysis.tangent.model, analysis.settled, analysis.options)
-    start = read_state(state, key) if state is not None and state.exists() else None
-    if start is not None:
-        yield start
+    start, course = None, None
+    if state is not None and state.exists():
+        start, course = read_state(state, key)
+        yield start, course
     steps = apply_settlement(
         analysis.tangent.model,
         analysis.law,
@@ -128,9 +122,10 @@ def snapshots(analysis: StepAnalysis, *, state: Path | None = None) -> Iterator[
         tangent=analysis.tangent,
     )
     for snapshot in steps:
+        course = followed(course, snapshot, analysis.tangent.model, analysis.feet)
         if state is not None:
-            write_state(state, snapshot, key)
-        yield snapshot
+            write_state(state, snapshot, course, key)
+        yield snapshot, course
 
 
 def analyse_steps(
@@ -166,18 +161,17 @@ def analyse_steps(
     """
     begin = time.perf_counter()
     analysis = prepare(mesh, options=options)
-    last: Snapshot | None = None
-    for last in snapshots(analysis, state=state):
+    found: tuple[Snapshot, Course] | None = None
+    for found in _states(analysis, state):
         if on_step is not None:
-            on_step(_view(analysis, last))
-    if last is None or last.share < 1.0 - 1e-12:
+            on_step(_view(analysis, found[0]))
+    if found is None or found[0].share < 1.0 - 1e-12:
         msg = "The analysis ended before the whole settlement was applied."
         raise ConvergenceError(msg)
+    last, course = found
     _check_balance(analysis, last)
     begin_results = time.perf_counter()
-    response = masonry_response(
-        mesh, analysis.space, analysis.tangent, options, _view(analysis, last), last, analysis.warnings
-    )
+    response = masonry_response(analysis, _view(analysis, last), last, course)
     clock, end = analysis.tangent.clock, time.perf_counter()
     parts = {"material": clock.material, "assembly": clock.assembly, "solve": clock.solve}
     results = end - begin_results

@@ -28,6 +28,12 @@ DIVERGED = 1e6
 """An iteration whose unbalanced force is so many times the reactions will not come back."""
 FEWEST = 0.2
 """Part of an equal step down to which a step is cut for the sake of its error alone."""
+EXACT = 1e-2
+"""Part of the tolerance for forces out of balance, below which no more is asked of a state."""
+NEAR = 0.1
+"""An iteration that leaves more than this part of the forces out of balance creeps: more bring little."""
+REST = 1e-3
+"""Largest movement in the last iteration, relative to the displacement, of a wall that has come to rest."""
 GROWTH = 1.5
 """A step that was cut grows back by this factor, as long as it goes well."""
 SEARCHES, SLACK = 10, 0.5
@@ -204,12 +210,25 @@ class _Stepper:
             ground = rested_on if balance is None else trial.ground
             self.tangent.assemble(motion, *trial, after, rested_on=ground)
             change = self.tangent.newton_change()
+            last, before = motion, balance
             motion, balance = self._search(trial, motion, change, after, balance)
-            if balance.residual <= self.options.tolerance * balance.scale:
+            if self._balanced(before, balance, rests=_rests(last, motion)):
                 return _Found(motion, after, balance, iteration)
             if not balance.residual < DIVERGED * balance.scale:
                 return None
         return None
+
+    def _balanced(self, before: Balance | None, balance: Balance, *, rests: bool) -> bool:
+        """Whether the forces balance, no better balance is near, and the wall has come to rest.
+
+        Where it falls, or torn parts hang on next to nothing, the forces left over are small as well, but
+        each iteration moves it on.
+        """
+        allowed = self.options.tolerance * balance.scale
+        if balance.residual > allowed or before is None:
+            return balance.residual <= EXACT * allowed
+        creeps = balance.residual > NEAR * before.residual
+        return balance.residual <= EXACT * allowed or (creeps and rests)
 
     def _search(
         self, trial: _Trial, motion: Motion, change: Motion, after: PointFields, last: Balance | None
@@ -238,6 +257,12 @@ class _Stepper:
             else:
                 low, at_low = part, power
         return reached, balance
+
+
+def _rests(last: Motion, motion: Motion) -> bool:
+    """Whether a wall hardly moved from the last motion to this one."""
+    moved = float(np.abs(motion.displacement - last.displacement).max())
+    return moved <= REST * float(np.abs(motion.displacement).max())
 
 
 def _along(motion: Motion, change: Motion, part: float) -> Motion:

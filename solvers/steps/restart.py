@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from fd2fem.errors import InputError
 from solvers.compiled.cracking import Motion, PointFields
 from solvers.options import AnalysisOptions
+from solvers.steps.course import Course
 from solvers.steps.stepping import LoadStep, Snapshot
 from solvers.steps.wall_model import WallModel
 
 __all__ = ["fingerprint", "read_state", "write_state"]
 
-FORMAT = "fd2fem/state-1"
+FORMAT = "fd2fem/state-2"
 
 
 def fingerprint(model: WallModel, settled: NDArray[np.float64], options: AnalysisOptions) -> str:
@@ -42,7 +43,7 @@ def fingerprint(model: WallModel, settled: NDArray[np.float64], options: Analysi
     return digest.hexdigest()
 
 
-def write_state(path: Path, state: Snapshot, key: str) -> None:
+def write_state(path: Path, state: Snapshot, course: Course, key: str) -> None:
     """Write a state; it appears under its name when it is whole, and replaces the one before.
 
     Parameters
@@ -50,6 +51,8 @@ def write_state(path: Path, state: Snapshot, key: str) -> None:
     path : Path
         Its folder is made if need be.
     state : Snapshot
+    course : Course
+        Up to the state.
     key : str
         Of `fingerprint`.
     """
@@ -68,13 +71,15 @@ def write_state(path: Path, state: Snapshot, key: str) -> None:
             kappa_before=state.kappa_before,
             dissipated=state.dissipated,
             force=state.force,
+            largest_stress=course.largest_stress,
+            feet=course.feet,
             **arrays,
         )
     part.replace(path)
 
 
-def read_state(path: Path, key: str) -> Snapshot:
-    """Read a state that `write_state` wrote.
+def read_state(path: Path, key: str) -> tuple[Snapshot, Course]:
+    """Read a state that `write_state` wrote, and the course up to it.
 
     Raises
     ------
@@ -86,11 +91,13 @@ def read_state(path: Path, key: str) -> Snapshot:
             if str(file["format"]) != FORMAT or str(file["key"]) != key:
                 msg = f"{path} is the state of another mesh or other options: remove it to begin anew."
                 raise _OtherStateError(msg)
-            return _snapshot(dict(file))
+            arrays = dict(file)
+            return _snapshot(arrays), Course(arrays["largest_stress"], arrays["feet"])
     except _OtherStateError:
         raise
     except (OSError, EOFError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as error:
-        msg = f"{path} cannot be read as the state of an analysis ({error}): remove it to begin anew."
+        # Not numpy's own words: on a text file they speak of loading it unsafely.
+        msg = f"{path} is damaged, or not the state of an analysis: remove it to begin anew."
         raise InputError(msg) from error
 
 

@@ -4,11 +4,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers.compiled.cracking import Motion, PointFields, Strengths
+from solvers.damage.cracks import element_cracks
 from solvers.fem.stress import principal_stress
 from solvers.steps.stepping import LoadStep, Snapshot
 from solvers.steps.wall_model import Balance, WallModel
 
-__all__ = ["crack_energy", "step_record"]
+__all__ = ["crack_energy", "largest_stress", "raised_stress", "step_record"]
 
 FloatArray = NDArray[np.float64]
 
@@ -24,9 +25,9 @@ def step_record(
     """Record of a step, the energy (e,), J, that elements have dissipated by now, and the forces (3m,), N.
 
     Cracks take the area under the softening curve; the cone's work and that of the forces are summed up by
-    the trapezoidal rule. Share, iterations and error are left at 0.
+    the trapezoidal rule. No stress is beyond the tensile strength but by rounding, which is cut off. Share,
+    iterations and error are left at 0.
     """
-    stress = principal_stress(fields.stress)
     in_cracks = crack_energy(fields.kappa, softening) - crack_energy(before.fields.kappa, softening)
     in_cone = _cone_energy(before.fields, fields)
     dissipated = before.dissipated + ((in_cracks + in_cone) * model.volumes).sum(axis=1)
@@ -41,9 +42,9 @@ def step_record(
         residual=balance.residual / max(balance.scale, np.finfo(float).tiny),
         reaction=(x, y, z),
         max_displacement=float(np.linalg.norm(motion.displacement, axis=1).max()),
-        max_principal_stress=float(stress[..., 0].max()),
-        max_crack_opening=float((fields.kappa * model.band[:, None]).max()),
-        strain_energy=_strain_energy(model, stress),
+        max_principal_stress=min(largest_stress(fields.stress), float(softening.tensile.max())),
+        max_crack_opening=float(element_cracks(fields.crack, model.volumes, model.band).opening.max()),
+        strain_energy=_strain_energy(model, fields.stress),
         dissipated_energy=float(dissipated.sum()),
         plastic_energy=(last.plastic_energy if last else 0.0) + float((in_cone * model.volumes).sum()),
         external_work=(last.external_work if last else 0.0) + work,
@@ -70,6 +71,35 @@ def crack_energy(kappa: FloatArray, softening: Strengths) -> FloatArray:
     return energy
 
 
+def largest_stress(stress: FloatArray) -> float:
+    """Largest σ1, Pa, of stresses (..., 6): the axes are sought only where it can be.
+
+    Examples
+    --------
+    >>> largest_stress(np.array([[2.0, 0, 0, 0, 0, 0], [0, 0, 0, 3.0, 0, 0]]))
+    3.0
+    """
+    low, high = _bounds(stress)
+    return float(principal_stress(stress[high >= low.max()])[..., 0].max())
+
+
+def raised_stress(largest: FloatArray, stress: FloatArray) -> FloatArray:
+    """Largest σ1 (e,), Pa, in each element so far, when stresses (e, q, 6) join those before."""
+    _, high = _bounds(stress)
+    may = np.flatnonzero(high.max(axis=1) > largest)
+    raised = largest.copy()
+    raised[may] = np.maximum(largest[may], principal_stress(stress[may])[..., 0].max(axis=1))
+    return raised
+
+
+def _bounds(stress: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Between which σ1 lies: the mean plus √(J2/3) and plus twice that, by the angle of Lode."""
+    mean = stress[..., :3].mean(axis=-1)
+    deviator = stress[..., :3] - mean[..., None]
+    part = np.sqrt(((0.5 * deviator**2).sum(axis=-1) + (stress[..., 3:] ** 2).sum(axis=-1)) / 3.0)
+    return mean + part, mean + 2.0 * part
+
+
 def _cone_energy(before: PointFields, fields: PointFields) -> FloatArray:
     """Energy per volume (e, q), J/m³, that the cone took in a step."""
     flowed = (fields.inelastic - before.inelastic) - (fields.crack - before.crack)
@@ -78,9 +108,10 @@ def _cone_energy(before: PointFields, fields: PointFields) -> FloatArray:
 
 
 def _strain_energy(model: WallModel, stress: FloatArray) -> float:
-    """Elastic energy, J, of principal stresses (e, q, 3), Pa."""
+    """Elastic energy, J, of stresses (e, q, 6), Pa."""
     law = model.body.law
-    mean = stress.mean(axis=2)
-    deviator = stress - mean[..., None]
-    density = mean**2 / (2.0 * law.bulk) + (deviator**2).sum(axis=2) / (4.0 * law.shear)
+    mean = stress[..., :3].mean(axis=2)
+    deviator, shear = stress[..., :3] - mean[..., None], stress[..., 3:]
+    squares = (deviator**2).sum(axis=2) + 2.0 * (shear**2).sum(axis=2)
+    density = mean**2 / (2.0 * law.bulk) + squares / (4.0 * law.shear)
     return float((density * model.volumes).sum())

@@ -8,20 +8,18 @@ from numpy.typing import NDArray
 
 from solvers.compiled.cracking import (
     Body,
-    Chunk,
-    Condensed,
     Motion,
     PointFields,
     Strengths,
     add_forces,
     chunk_of,
     point_forces,
-    tangent_matrices,
     update_points,
 )
 from solvers.compiled.jit import in_chunks
 from solvers.compiled.pattern import Pattern
 from solvers.compiled.stiffness import Sums, add_elements
+from solvers.compiled.tangents import Condensed, tangent_matrices
 from solvers.fem.connectivity import rigid_motions
 from solvers.fem.linear_solvers import LinearSolver, SolverName, checked_solve, make_solver
 from solvers.steps.supports import Support, spring_forces
@@ -30,10 +28,10 @@ __all__ = ["Balance", "Clock", "Tangent", "WallModel"]
 
 FloatArray = NDArray[np.float64]
 
-TETRAHEDRON_BAND, TETRAHEDRON_NODES = 1.02, 10
+TETRAHEDRON_BAND, TETRAHEDRON_NODES = 2.04, 10
 ROUND_OFF = 1e-6
 """Forces this small, relative to a stiffness of the wall times its displacement, cannot be told from none."""
-STABILISER = 1e-4
+STABILISER = 1e-6
 """Part of the elastic stiffness added to the tangent, which a wide crack would leave singular; the forces,
 and with them the answer, stay what they are."""
 
@@ -63,7 +61,7 @@ class WallModel:
     def band(self) -> FloatArray:
         """Width (e,), m, of the band that a crack takes in each element: the cube root of its volume.
 
-        In a 10-node tetrahedron, half the edge of the regular one of that volume.
+        In a tetrahedron, the edge of the regular one of that volume: one strength serves all of the element.
         """
         factor = TETRAHEDRON_BAND if self.body.connectivity.shape[1] == TETRAHEDRON_NODES else 1.0
         widths: FloatArray = factor * np.cbrt(self.volumes.sum(axis=1))
@@ -135,6 +133,7 @@ class Tangent:
         self._imposed, self.unbalanced = np.zeros(unknowns), np.zeros(unknowns)
         self._free = model.pattern.equation >= 0
         self._stiffness = float(model.body.law.shear * np.cbrt(model.volumes.sum()))
+        self._factorised = np.zeros(0)
         motions = rigid_motions(model.body.points)[self._free]
         self._solver: LinearSolver = make_solver(solver, model.pattern, motions=motions)
 
@@ -158,7 +157,9 @@ class Tangent:
 
         def elements(part: slice) -> tuple[FloatArray, float, float]:
             start = time.perf_counter()
-            chunk, middle = self._points(part, motion, strengths, before, after)
+            chunk = chunk_of(body, part, tangents=False)
+            update_points(body, strengths, motion, before, after, chunk, STABILISER)
+            middle = time.perf_counter()
             forces = np.empty((len(chunk.volumes), 3 * chunk.gradients.shape[2]))
             point_forces(chunk, after.stress, forces)
             return forces, middle - start, time.perf_counter() - middle
@@ -210,13 +211,15 @@ class Tangent:
 
         def elements(part: slice) -> tuple[Condensed, float, float]:
             start = time.perf_counter()
-            chunk, middle = self._points(part, motion, strengths, before, after)
+            chunk = chunk_of(body, part, tangents=True)
+            update_points(body, strengths, motion, before, after, chunk, STABILISER)
+            middle = time.perf_counter()
             size = len(chunk.volumes)
             forces = np.empty((size, 3 * chunk.gradients.shape[2]))
             point_forces(chunk, after.stress, forces)
             matrices, condensed = np.empty((size, width, width)), np.empty((size, width))
             out = Condensed(matrices, condensed, self._follow[part], self._lag[part])
-            tangent_matrices(chunk, body.law, forces, self.model.pattern.upper, out)
+            tangent_matrices(chunk, body.law, forces, out)
             return out, middle - start, time.perf_counter() - middle
 
         start, material, assembly = time.perf_counter(), 0.0, 0.0
@@ -244,7 +247,11 @@ class Tangent:
         change = self._imposed.copy()
         if len(load):
             values = self._sums.values
-            self._solver.factorise(values)
+            # As long as nothing cracks, the matrix stays what it was, to the last digit.
+            if not np.array_equal(values, self._factorised):
+                self._factorised = np.zeros(0)
+                self._solver.factorise(values)
+                self._factorised = values.copy()
             change[self._free] = checked_solve(self._solver, self.model.pattern, values, load).solution
         self.clock.solve += time.perf_counter() - start
         connectivity = self.model.body.connectivity
@@ -256,19 +263,6 @@ class Tangent:
         """The motion after one iteration from the state that was assembled."""
         change = self.newton_change()
         return Motion(motion.displacement + change.displacement, motion.modes + change.modes)
-
-    def _points(
-        self,
-        part: slice,
-        motion: Motion,
-        strengths: Strengths,
-        before: PointFields,
-        after: PointFields,
-    ) -> tuple[Chunk, float]:
-        """Update the points of some elements; also the time when it was done."""
-        chunk = chunk_of(self.model.body, part)
-        update_points(self.model.body, strengths, motion, before, after, chunk, STABILISER)
-        return chunk, time.perf_counter()
 
     def _book(self, elapsed: float, material: float, assembly: float) -> None:
         """Share out the time of a pass over the elements, on several cores, by what the cores did."""

@@ -1,6 +1,8 @@
 """A state of a wall as people look at it: fields at the nodes and in the elements."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +12,6 @@ from solvers.damage.cracks import Cracks, element_cracks
 from solvers.fem.elements import Space, tabulate
 from solvers.fem.nodal_stress import element_stress, mean_at_nodes
 from solvers.fem.rules import stiffness_order
-from solvers.fem.stress import principal_stress
 from solvers.masonry import MasonryLaw
 from solvers.steps.stepping import LoadStep, Snapshot
 from solvers.steps.wall_model import WallModel
@@ -22,7 +23,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class WallState:
-    """A wall after a step.
+    """A wall after a step; the fields that take time are computed when they are first asked for.
 
     Attributes
     ----------
@@ -33,8 +34,6 @@ class WallState:
         At the mesh's nodes.
     stress : (n, 6) float array, Pa
         Mean over the elements at each node.
-    largest_stress : float, Pa
-        Largest σ1 at a node of an element.
     cracks : Cracks
     dissipation : (e,) float array, J
         Energy that each element has taken.
@@ -43,10 +42,19 @@ class WallState:
     index: int
     record: LoadStep
     displacement: FloatArray
-    stress: FloatArray
-    largest_stress: float
-    cracks: Cracks
     dissipation: FloatArray
+    _stress: Callable[[], FloatArray]
+    _cracks: Callable[[], Cracks]
+
+    @cached_property
+    def stress(self) -> FloatArray:
+        """See the class."""
+        return self._stress()
+
+    @cached_property
+    def cracks(self) -> Cracks:
+        """See the class."""
+        return self._cracks()
 
 
 def wall_state(
@@ -54,20 +62,22 @@ def wall_state(
 ) -> WallState:
     """Fields of a snapshot."""
     fields = snapshot.fields
-    table = tabulate(mesh.kind, stiffness_order(space))
-    at_nodes = element_stress(
-        mesh.kind,
-        table.extrapolation,
-        fields.stress,
-        cracked=np.asarray(fields.kappa.max(axis=1) > 0.0),
-        strength=law.tensile_strength,
-    )
+
+    def stress() -> FloatArray:
+        at_nodes = element_stress(
+            mesh.kind,
+            tabulate(mesh.kind, stiffness_order(space)).extrapolation,
+            fields.stress,
+            cracked=np.asarray(fields.kappa.max(axis=1) > 0.0),
+            strength=law.tensile_strength,
+        )
+        return mean_at_nodes(mesh, at_nodes)
+
     return WallState(
         index=len(snapshot.history) - 1,
         record=snapshot.history[-1],
         displacement=snapshot.motion.displacement[: len(mesh.nodes)],
-        stress=mean_at_nodes(mesh, at_nodes),
-        largest_stress=float(principal_stress(at_nodes)[..., 0].max()),
-        cracks=element_cracks(fields.crack, model.volumes, model.band),
         dissipation=snapshot.dissipated,
+        _stress=stress,
+        _cracks=lambda: element_cracks(fields.crack, model.volumes, model.band),
     )

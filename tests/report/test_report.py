@@ -13,6 +13,7 @@ from fd2fem.config import PipelineOptions
 from fd2fem.meshing import MeshOptions
 from fd2fem.pipeline import run
 from fd2fem.report import facade_summary, write_report
+from solvers import AnalysisOptions, LinearSettlement, MasonryLaw, SteppingOptions, analyse
 
 DRAWING = facade_of(4.0, 3.0, [(0.6, 0.0, 0.9, 2.0), (2.2, 1.0, 1.2, 1.3)])
 PICTURES = [
@@ -182,3 +183,56 @@ def test_summary_of_a_reconstructed_facade(alone):
     assert [(entry["id"], entry["kind"]) for entry in summary["openings"]] == [(1, "door"), (2, "window")]
     assert summary["points"]["read"] == len(result.cloud)
     assert summary["warnings"] == list(facade.record["warnings"])
+
+
+TOUGH = AnalysisOptions(
+    masonry=MasonryLaw(tensile_strength=2e5, fracture_energy=1e3),
+    settlement=LinearSettlement(0.0, -0.003, 0.0, 0.001),
+    stepping=SteppingOptions(steps=4),
+)
+
+
+@pytest.fixture(scope="module")
+def cracked(compared, tmp_path_factory):
+    """The run of `compared`, its walls of masonry that cracks."""
+    folder = tmp_path_factory.mktemp("cracked")
+    result = compared[0]
+    response = analyse(result.mesh, options=TOUGH)
+    response = replace(response, solver=dict(response.solver) | {"warnings": ["elements are wide"]})
+    reference = replace(result.reference, response=response)
+    comparison = replace(result.comparison, notes=("both at the strength",))
+    result = replace(result, response=response, reference=reference, comparison=comparison)
+    write_report(result, folder)
+    return result, folder
+
+
+def test_page_of_a_wall_that_cracks_shows_cracks_and_curve(cracked):
+    result, folder = cracked
+    assert result.response.dissipated_energy > 0.0
+    page = _page(folder)
+    sources = [image["src"] for image in page.images]
+    for name in ("07_cracks", "07_load_settlement", "09_cracks"):
+        assert f"{name}.png" in sources
+        with Image.open(folder / f"{name}.png") as picture:
+            pixels = np.asarray(picture.convert("RGB")).reshape(-1, 3).astype(int)
+        coloured = pixels[np.ptp(pixels, axis=1) > 25]
+        assert len(coloured) > 0.004 * len(pixels)
+    text = " ".join(page.text)
+    assert "Note: both at the strength." in text
+    assert "Warning: elements are wide" in text
+
+
+def test_page_of_a_wall_that_cracks_gives_damage_feet_and_energies(cracked):
+    result, folder = cracked
+    response, cells = result.response, _page(folder).cells
+    assert f"{response.damage['crack_class']}, {response.damage['crack_label']}" in cells
+    assert cells[cells.index("iterations") + 1] == str(sum(step["iterations"] for step in response.history))
+    # By hand: a door in the base from 0.6 to 1.5 m leaves two feet, which carry the wall.
+    feet = [cell for cell in cells if re.match(r"\d: ", cell)]
+    assert [cell.split(": ")[1][:4] for cell in feet] == ["0.00", "1.50"]
+    upwards = [float(cells[cells.index(foot) + 2]) for foot in feet]
+    assert sum(upwards) == pytest.approx(response.weight / 1000, abs=0.02)
+    start = cells.index("work of weight and ground, J")
+    work, stored, taken, left = (cells[start + 2 * row + 1] for row in range(4))
+    cracks, crushing = map(float, taken.split("; "))
+    assert float(work) == pytest.approx(float(stored) + cracks + crushing + float(left), abs=0.03)

@@ -14,20 +14,37 @@ TARGETS = tomllib.loads((FOLDER / "benchmarks.toml").read_text(encoding="utf-8")
 PATCH = tomllib.loads((FOLDER / "structural.toml").read_text(encoding="utf-8"))["patch_test"]
 
 
-def test_le1():
-    assert benchmarks.nafems_le1() == pytest.approx(TARGETS["le1"]["stress"], rel=0.01)
+ELEMENTS = [ElementType.HEXAHEDRON20, ElementType.INCOMPATIBLE, ElementType.TETRA10]
 
 
-def test_le10():
-    assert benchmarks.nafems_le10() == pytest.approx(TARGETS["le10"]["stress"], rel=0.01)
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_le1(element):
+    assert benchmarks.nafems_le1(element) == pytest.approx(TARGETS["le1"]["stress"], rel=0.02)
 
 
-def test_le11():
-    assert benchmarks.nafems_le11() == pytest.approx(TARGETS["le11"]["stress"], rel=0.01)
+@pytest.mark.parametrize(
+    "element", [ELEMENTS[0], *(pytest.param(element, marks=pytest.mark.slow) for element in ELEMENTS[1:])]
+)
+def test_le10(element):
+    assert benchmarks.nafems_le10(element) == pytest.approx(TARGETS["le10"]["stress"], rel=0.02)
 
 
-def test_kirsch():
-    assert benchmarks.kirsch() == pytest.approx(TARGETS["kirsch"]["factor"], rel=2e-3)
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_le11(element):
+    assert benchmarks.nafems_le11(element) == pytest.approx(TARGETS["le11"]["stress"], rel=0.02)
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_kirsch(element):
+    assert benchmarks.kirsch(element) == pytest.approx(TARGETS["kirsch"]["factor"], rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("element", "ratio"),
+    [(element, 1.0) for element in ELEMENTS] + [(ElementType.HEXAHEDRON8, 1.0 / 1.5)],
+)
+def test_cantilever_one_element_deep(element, ratio):
+    assert benchmarks.cantilever(element, 1) == pytest.approx(ratio, rel=0.01)
 
 
 @pytest.mark.parametrize("element", [ElementType.HEXAHEDRON20, ElementType.INCOMPATIBLE])

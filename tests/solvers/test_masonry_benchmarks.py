@@ -32,11 +32,29 @@ def test_thick_sphere_first_yields_inside():
     assert cone_value(np.array([hoop, hoop, -pressure])) == pytest.approx(0.0, abs=1e-6 * LAW.cone)
 
 
+def test_thick_sphere_of_elements_first_yields():
+    found = benchmarks.first_yield(radial=6, around=3)
+    assert found == pytest.approx(TARGETS["sphere"]["first_yield"], rel=1e-3)
+
+
 @pytest.mark.slow
 def test_thick_sphere_yields_to_its_radius():
     values = TARGETS["sphere"]
-    found = benchmarks.thick_sphere(values["pressure"], values["front"], steps=1, radial=8, around=4)
+    found = benchmarks.thick_sphere(values["pressure"], values["front"], radial=8, around=4)
     assert found == pytest.approx(values["displacement"], rel=1e-4)
+
+
+@pytest.mark.slow
+def test_thick_sphere_to_its_limit():
+    values = TARGETS["sphere"]
+    pushes = [0.55e-3, 0.575e-3, 0.6e-3, 2e-3, 4e-3, 8e-3, 11e-3, 14e-3, 20e-3]
+    path = benchmarks.pushed_sphere(pushes, values["front"], radial=6, around=2)
+    outer, pressure = [state.outer for state in path], [state.pressure for state in path]
+    # Two elements over an eighth of a turn: three digits.
+    assert np.interp(values["displacement"], outer, pressure) == pytest.approx(values["pressure"], rel=2e-3)
+    assert max(pressure) == pytest.approx(values["limit"], rel=2e-3)
+    # There it stays: all of the sphere yields.
+    assert pressure[-1] == pytest.approx(pressure[-2], rel=1e-3)
 
 
 @pytest.mark.slow

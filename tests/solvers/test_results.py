@@ -7,18 +7,21 @@ import pytest
 from exported_meshes import hexahedra20
 
 from fd2fem.errors import InputError
+from solvers import AnalysisOptions, LinearSettlement
 from solvers.fem.elasticity import analyse
 from solvers.results import read_response, response_to_dict, write_response
 
 CONTRACT = {
     "schema", "converged", "max_displacement_m", "max_principal_stress_pa", "p95_principal_stress_pa",
     "p99_principal_stress_pa", "rms_stress_pa", "reaction_n", "strain_energy_j", "dissipated_energy_j",
-    "max_crack_opening_m", "damage_class", "mesh", "solver", "timings_s",
+    "max_crack_opening_m", "damage_class", "mesh", "solver", "timings_s", "final_principal_stress_pa", "feet",
+    "damage", "history",
 }  # fmt: skip
 
 SCALARS = (
     "weight", "max_displacement", "max_principal_stress", "p95_principal_stress", "p99_principal_stress",
     "rms_stress", "strain_energy", "dissipated_energy", "max_crack_opening", "damage_class", "dofs",
+    "final_principal_stress", "feet",
 )  # fmt: skip
 
 
@@ -57,7 +60,7 @@ def test_what_is_read_back_is_what_was_written(kind, punched_wall, tetrahedra, t
     response = analyse(change(punched_wall))
     write_response(response, tmp_path)
     again = read_response(tmp_path)
-    for name in ("displacement", "stress", "principal_stress", "reaction"):
+    for name in ("displacement", "stress", "principal_stress", "reaction", "largest_stress"):
         assert np.array_equal(getattr(again, name), getattr(response, name))
     for name in SCALARS:
         assert getattr(again, name) == getattr(response, name)
@@ -92,6 +95,40 @@ def test_vtk_reads_the_fields(response, folder):
     assert vtk_to_numpy(cells.GetArray("sigma1"))[0] == pytest.approx(
         response.principal_stress[first, 0].mean()
     )
+    assert vtk_to_numpy(cells.GetArray("largest_sigma1")).max() == response.max_principal_stress
+
+
+def test_after_a_single_solve_there_is_one_stress_for_all_steps(response):
+    assert response.final_principal_stress == response.max_principal_stress
+    # At the nodes: the number and the picture agree.
+    assert response.largest_stress.max() == response.max_principal_stress
+    assert response.history == ()
+
+
+def test_damage_of_an_elastic_wall_is_classed_by_strain_alone(punched_wall):
+    # By hand: a wall that tilts as a whole is not strained; the beam is drawn out by 0.9 mm in 3 m.
+    tilt = analyse(
+        punched_wall, options=AnalysisOptions(settlement=LinearSettlement(0, -0.003, 0, 0), gravity=0)
+    )
+    assert tilt.damage["tensile_strain"] == pytest.approx(0.0, abs=1e-5)
+    assert (tilt.damage["strain_class"], tilt.damage_class) == (0, -1)
+    assert not any(name.startswith("crack") or "cracks" in name for name in tilt.damage)
+    drawn = analyse(punched_wall, options=AnalysisOptions(settlement=LinearSettlement(0, 0, 0, 0.0009)))
+    assert drawn.damage["equivalent_beam"]["tensile_strain"] == pytest.approx(0.0003, rel=1e-6)
+    assert drawn.damage["equivalent_beam"]["damage_class"] == 0
+
+
+def test_files_of_earlier_versions_are_read(response, folder):
+    path = folder / "response.json"
+    figures = json.loads(path.read_text(encoding="utf-8"))
+    for name in ("feet", "final_principal_stress_pa"):
+        del figures[name]
+    path.write_text(json.dumps(figures), encoding="utf-8")
+    _replace(folder, 'Name="largest_sigma1"', 'Name="what_no_one_reads"')
+    again = read_response(folder)
+    assert again.feet == ()
+    assert again.final_principal_stress == response.max_principal_stress
+    assert np.array_equal(again.largest_stress, response.largest_stress)
 
 
 def test_vtk_reads_20_node_elements(punched_wall, tmp_path):

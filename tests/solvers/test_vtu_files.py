@@ -105,4 +105,4 @@ def test_history_holds_the_load_settlement_curve(run):
     figures = response_to_dict(response)
     assert [step["share"] for step in figures["history"]] == [state.record.share for state in seen]
     keys = {field.name for field in dataclasses.fields(seen[0].record)}
-    assert set(figures["history"][0]) == keys
+    assert set(figures["history"][0]) == keys | {"settlement", "feet"}

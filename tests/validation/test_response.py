@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fd2fem.errors import InputError
-from validation import compare_responses
+from validation import compare_responses, judge, saturation_notes
 
 SCALARS = {
     "max_displacement_m": "max_displacement",
@@ -159,3 +159,70 @@ def test_refuses_tolerance(wall, response_on, tolerance):
     same = response_on(wall, stretch)
     with pytest.raises(InputError, match="'tolerance': expected a number between 0 and 1"):
         compare_responses(same, same, tolerance=tolerance)
+
+
+def feet(*forces):
+    return tuple({"reaction_n": list(force)} for force in forces)
+
+
+CRACKED = {"dissipated_energy": 10.0, "max_crack_opening": 1e-3, "damage_class": 1}
+
+
+def test_a_wall_that_cracks_is_judged_by_what_settles_with_the_mesh_too(wall, response_on):
+    same = response_on(wall, stretch, feet=feet([0.0, 0.0, 3e5]), **CRACKED)
+    gated = [name for name, q in rows(same, same).items() if q.gated]
+    assert gated == ["max_displacement_m", "max_principal_stress_pa", "strain_energy_j", "foot_reactions_n"]
+    elastic = response_on(wall, stretch, feet=feet([0.0, 0.0, 3e5]))
+    assert [name for name, q in rows(elastic, elastic).items() if q.gated] == gated[:2]
+    assert rows(same, elastic)["foot_reactions_n"].gated
+
+
+def test_forces_on_the_feet_differ_as_vectors(wall, response_on):
+    # By hand: (3, 0, 4) against (-3, 0, 4), as long but 6 apart; the other foot is the same.
+    first = response_on(wall, stretch, feet=feet([3e3, 0.0, 4e3], [0.0, 0.0, 12e3]), **CRACKED)
+    second = response_on(wall, stretch, feet=feet([-3e3, 0.0, 4e3], [0.0, 0.0, 12e3]), **CRACKED)
+    found = rows(first, second)["foot_reactions_n"]
+    assert found.candidate == found.reference == pytest.approx(13e3)
+    assert found.relative_difference == pytest.approx(6 / 13)
+    assert not found.passed
+    verdict = judge(None, compare_responses(first, second))
+    assert verdict.reasons == (
+        "forces of the ground on the feet differ by 46.2 % of the reference's (tolerance 5 %)",
+    )
+    assert judge(None, compare_responses(first, first)).passed
+
+
+def test_walls_on_different_numbers_of_feet_fall_short(wall, response_on):
+    one = response_on(wall, stretch, feet=feet([0.0, 0.0, 3e5]), **CRACKED)
+    two = response_on(wall, stretch, feet=feet([0.0, 0.0, 1e5], [0.0, 0.0, 2e5]), **CRACKED)
+    found = rows(one, two)["foot_reactions_n"]
+    assert (found.relative_difference, found.passed) == (None, False)
+    assert judge(None, compare_responses(one, two)).reasons == (
+        "the walls do not stand on the same number of feet",
+    )
+
+
+def test_feet_that_carry_nothing_agree(wall, response_on):
+    idle = response_on(wall, stretch, feet=feet([0.0, 0.0, 0.0]))
+    found = rows(idle, idle)["foot_reactions_n"]
+    assert (found.relative_difference, found.passed) == (None, True)
+
+
+def test_classes_of_damage_are_compared_where_both_walls_may_crack(wall, response_on):
+    slight, none = response_on(wall, stretch, damage_class=2), response_on(wall, stretch, damage_class=0)
+    found = rows(slight, none)["damage_class"]
+    assert (found.candidate, found.reference, found.passed, found.gated) == (2, 0, False, False)
+    assert rows(none, none)["damage_class"].passed
+    assert "damage_class" not in rows(slight, response_on(wall, stretch))
+
+
+def test_stresses_at_the_strength_say_little_and_the_comparison_says_so(wall, response_on):
+    masonry = {"masonry": {"tensile_strength": 1.15e6}}
+    at_strength = response_on(wall, stretch, max_principal_stress=1.15e6, solver=masonry)
+    (note,) = saturation_notes(at_strength, at_strength)
+    assert "1.15 and 1.15 MPa" in note
+    assert judge(None, compare_responses(at_strength, at_strength), notes=[note]).notes == (note,)
+    below = response_on(wall, stretch, max_principal_stress=1.14e6, solver=masonry)
+    elastic = response_on(wall, stretch, max_principal_stress=1.15e6, solver={"masonry": None})
+    for other in (below, elastic, response_on(wall, stretch, max_principal_stress=1.15e6)):
+        assert saturation_notes(at_strength, other) == saturation_notes(other, at_strength) == ()

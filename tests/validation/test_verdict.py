@@ -102,7 +102,7 @@ def test_file_has_the_keys_of_its_schema(tmp_path, good):
     write_comparison(judge(good, [DISPLACEMENT, STRESS, ENERGY]), path)
     content = json.loads(path.read_text(encoding="utf-8"))
     assert content["schema"] == "fd2fem/comparison-1"
-    assert set(content) == {"schema", "tolerance", "passed", "reasons", "geometry", "response"}
+    assert set(content) == {"schema", "tolerance", "passed", "reasons", "notes", "geometry", "response"}
     assert (content["tolerance"], content["passed"]) == (0.05, False)
     assert content["response"][0] == {
         "quantity": "max_displacement_m",

@@ -25,13 +25,20 @@ def test_principal_axes_rebuild_the_tensor(tensor):
 
 
 def test_a_slanted_crack():
-    # One metre of band opens by 2 mm across n = (0.6, 0, 0.8): strain = 2e-3 n n'.
+    # Across n = (0.6, 0, 0.8), 2 and 1 mm per metre: a band of 2 m opens by their mean, 1.5 mm, times 2.
     n = np.array([0.6, 0.0, 0.8])
     strain = 2e-3 * np.array([n[0] ** 2, 0.0, n[2] ** 2, 0.0, 0.0, 2 * n[0] * n[2]])
     strains = np.stack([[strain, 0.5 * strain], np.zeros((2, 6))])
-    cracks = element_cracks(strains, np.ones((2, 2)), np.array([1.0, 1.0]))
-    assert cracks.opening.tolist() == pytest.approx([2e-3, 0.0])
+    cracks = element_cracks(strains, np.ones((2, 2)), np.array([2.0, 2.0]))
+    assert cracks.opening.tolist() == pytest.approx([3e-3, 0.0])
     assert np.allclose(cracks.normal, [n, [0, 0, 0]])
+
+
+def test_of_two_cracks_the_wider_one_counts():
+    strains = np.array([[[1e-3, 0.0, 3e-3, 0.0, 0.0, 0.0]]])
+    cracks = element_cracks(strains, np.ones((1, 1)), np.array([1.0]))
+    assert cracks.opening.tolist() == pytest.approx([3e-3])
+    assert np.allclose(cracks.normal, [[0, 0, 1]])
 
 
 def test_elements_side_by_side_make_one_crack(make_mesh):

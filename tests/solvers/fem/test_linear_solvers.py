@@ -12,12 +12,13 @@ from solvers.fem.elements import ElementType, displacement_space
 from solvers.fem.linear_solvers import SolverName, checked_solve, choose_solver, make_solver, product
 from solvers.materials import Material
 
-SOLVERS = [SolverName.PARDISO, SolverName.SUPERLU, SolverName.AMG]
+DIRECT = [SolverName.PARDISO, SolverName.RSLAB, SolverName.SUPERLU]
+SOLVERS = [*DIRECT, SolverName.AMG]
 
 
 @pytest.fixture(autouse=True)
 def _installed(request):
-    """MKL and pyamg have no wheels on some systems."""
+    """MKL, RSLAB and pyamg have no wheels on some systems."""
     name = request.node.callspec.params.get("name") if hasattr(request.node, "callspec") else None
     if name is not None:
         pytest.importorskip(linear_solvers.PACKAGES[name])
@@ -59,7 +60,7 @@ def test_solution_is_that_of_dense_algebra(grid, name, held):
         assert found.relative_residual < 1e-10
 
 
-@pytest.mark.parametrize("name", [SolverName.PARDISO, SolverName.SUPERLU])
+@pytest.mark.parametrize("name", DIRECT)
 def test_matrices_that_are_not_symmetric(grid, name):
     pattern, _, _ = _wall(grid)
     whole = build_pattern(
@@ -88,7 +89,7 @@ def test_a_wall_that_nothing_holds_is_refused(grid, name):
         checked_solve(solver, pattern, values, load)
 
 
-@pytest.mark.parametrize("name", [SolverName.PARDISO, SolverName.SUPERLU])
+@pytest.mark.parametrize("name", DIRECT)
 def test_a_stiffness_that_pushes_is_refused_where_it_must_not(grid, name):
     """A negative pivot: a positive definite matrix was promised to Cholesky; the others solve it."""
     pattern, values, _ = _wall(grid)
@@ -103,6 +104,44 @@ def test_a_stiffness_that_pushes_is_refused_where_it_must_not(grid, name):
         solver.factorise(values)
         found = checked_solve(solver, pattern, values, load)
         assert np.allclose(_dense(pattern, values) @ found.solution, load, atol=1e-8)
+
+
+def test_cholesky_gives_way_to_a_matrix_that_is_not_positive_definite(grid):
+    pytest.importorskip("pypardiso")
+    pattern, values, _ = _wall(grid)
+    pushing = values.copy()
+    pushing[pattern.diagonal[7]] *= -1.0
+    load = np.ones(pattern.unknowns)
+    solver = make_solver(SolverName.PARDISO, pattern)
+    for stiffness in (values, pushing, values, 2.0 * pushing):
+        solver.factorise(stiffness)
+        found = checked_solve(solver, pattern, stiffness, load)
+        expected = np.linalg.solve(_dense(pattern, stiffness), load)
+        assert np.abs(found.solution - expected).max() < 1e-9 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("pivot", [1.0, -1.0], ids=["positive", "indefinite"])
+@pytest.mark.parametrize("name", [SolverName.PARDISO, SolverName.RSLAB])
+def test_every_run_finds_the_same_digits(grid, name, pivot):
+    mesh = grid(np.linspace(0, 10, 31), [0, 0.2, 0.4], np.linspace(0, 10, 31), warp=0.03)
+    space = displacement_space(mesh, ElementType.HEXAHEDRON8)
+    prescribed = np.zeros((len(space.points), 3), dtype=bool)
+    prescribed[space.base] = True
+    pattern = build_pattern(
+        space.connectivity, points=len(space.points), prescribed=prescribed.ravel(), upper=True
+    )
+    values = add_up(elastic_body(space, Material()), pattern, np.zeros(space.unknowns)).values
+    values[pattern.diagonal[7]] *= pivot
+    found = []
+    for shift in range(3):
+        # Elsewhere in memory: sums of several numbers at a time begin where an array is aligned.
+        moved = np.empty(len(values) + shift)[shift:]
+        moved[:] = values
+        solver = make_solver(name, pattern)
+        for _ in range(2):
+            solver.factorise(moved)
+            found.append(solver.solve(np.ones(pattern.unknowns)))
+    assert all(np.array_equal(solution, found[0]) for solution in found)
 
 
 class _Wrong:
@@ -143,17 +182,20 @@ def test_a_residual_is_improved_once_or_refused(error, residual):
 
 def test_choice_by_size_and_by_what_is_installed(grid, monkeypatch):
     pattern, _, _ = _wall(grid)
-    installed = {"pypardiso", "pyamg"}
+    installed = {"pypardiso", "rslab", "pyamg"}
     monkeypatch.setattr(
         linear_solvers, "find_spec", lambda package: package if package in installed else None
     )
     assert choose_solver(pattern, positive=True) is SolverName.PARDISO
-    small = {SolverName.PARDISO: 10, SolverName.SUPERLU: 10}
-    monkeypatch.setattr(linear_solvers, "DIRECT_LIMITS", small)
+    monkeypatch.setattr(linear_solvers, "DIRECT_LIMITS", dict.fromkeys(DIRECT, 10))
     assert choose_solver(pattern, positive=True) is SolverName.AMG
     # Multigrid is for positive definite matrices.
     assert choose_solver(pattern) is SolverName.PARDISO
     installed.discard("pypardiso")
+    assert choose_solver(pattern, positive=True) is SolverName.AMG
+    assert choose_solver(pattern) is SolverName.RSLAB
+    installed.discard("rslab")
+    assert choose_solver(pattern) is SolverName.SUPERLU
     assert choose_solver(pattern, positive=True) is SolverName.AMG
     installed.discard("pyamg")
     assert choose_solver(pattern, positive=True) is SolverName.SUPERLU

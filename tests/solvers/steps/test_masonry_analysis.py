@@ -48,7 +48,9 @@ def wall(grid):
 
 STRETCH = LinearSettlement(0.0, 0.0, -0.0005, 0.0015)
 HOGGING = FunctionSettlement(lambda x: np.column_stack([0 * x, 0 * x, -1e-3 * np.maximum(0.0, x - 0.8)]))
-CRACKING = AnalysisOptions(masonry=MasonryLaw(), settlement=HOGGING, stepping=SteppingOptions(steps=10))
+CRACKING = AnalysisOptions(
+    masonry=MasonryLaw(), settlement=HOGGING, stepping=SteppingOptions(steps=10, tolerance=1e-6)
+)
 
 
 @pytest.fixture(scope="module")
@@ -143,11 +145,16 @@ def test_damage_is_classed_by_cracks_and_by_strain_beside_the_beam(cracked):
 
 @pytest.mark.slow
 def test_more_steps_give_the_same_wall(cracked, wall):
-    fine = analyse(wall, options=dataclasses.replace(CRACKING, stepping=SteppingOptions(steps=25)))
-    assert cracked.max_displacement == pytest.approx(fine.max_displacement, rel=0.01)
-    # 6 % seen: ten steps extrapolate more coarsely.
-    assert cracked.max_crack_opening == pytest.approx(fine.max_crack_opening, rel=0.10)
-    assert cracked.dissipated_energy == pytest.approx(fine.dissipated_energy, rel=0.05)
+    coarse, fine = (
+        analyse(wall, options=dataclasses.replace(CRACKING, stepping=SteppingOptions(steps=steps)))
+        for steps in (20, 40)
+    )
+    assert coarse.max_displacement == pytest.approx(fine.max_displacement, rel=0.01)
+    assert coarse.max_crack_opening == pytest.approx(fine.max_crack_opening, rel=0.03)
+    assert coarse.dissipated_energy == pytest.approx(fine.dissipated_energy, rel=0.03)
+    # Ten steps extrapolate too coarsely, and say so.
+    assert "set free as motion" in cracked.solver["warnings"][-1]
+    assert fine.solver["warnings"] == []
 
 
 @pytest.mark.slow
@@ -270,7 +277,24 @@ def test_wide_elements_are_warned_about(grid):
 
 
 def test_narrow_elements_are_not(cracked):
-    assert cracked.solver["warnings"] == []
+    assert not [warning for warning in cracked.solver["warnings"] if "wider" in warning]
+
+
+def test_weak_masonry_follows_sagging_ground(grid):
+    # 0.1 MPa is what mortar joints bear. The ends of the ground stay, the middle sinks by 6 mm.
+    mesh = grid(np.linspace(0, 6, 11), [0.0, 0.4], np.linspace(0, 3, 6))
+    weak = MasonryLaw(tensile_strength=1e5, fracture_energy=50.0)
+    sagging = SettlementTable(x=(0.0, 2.5, 3.5, 6.0), uz=(0.0, -0.006, -0.006, 0.0))
+    stepping = SteppingOptions(steps=10, tolerance=1e-4)
+    options = AnalysisOptions(masonry=weak, settlement=sagging, stepping=stepping)
+    response = analyse(mesh, options=options)
+    # Ten steps, and a few that were cut because a crack ran.
+    assert len(response.history) <= 16
+    assert response.history[-1]["share"] == pytest.approx(1.0, abs=1e-12)
+    assert response.reaction == pytest.approx([0.0, 0.0, response.weight], abs=1e-3 * response.weight)
+    assert response.max_crack_opening > 0.5e-3
+    last = response.history[-1]
+    assert last["strain_energy"] + last["dissipated_energy"] <= 1.05 * last["external_work"]
 
 
 def test_steps_come_one_by_one(wall):
