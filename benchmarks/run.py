@@ -21,6 +21,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from cracking import cracking
 from elastic import assembly, elastic_analysis, large_analysis
 from numpy.typing import NDArray
 from timing import Seconds, head, row, timed
@@ -34,7 +35,7 @@ from fd2fem.solids import solid_from_voxels, write_anf
 POINTS = (50_000, 200_000, 650_000)
 MANY_POINTS = 5_000_000
 PATTERNS = {"grid": "jittered grid", "lines": "scan lines"}
-SECTIONS = ("reconstruction", "reading", "analysis", "neutral_file")
+SECTIONS = ("reconstruction", "reading", "analysis", "cracking", "neutral_file")
 READ_POINTS = 500_000
 
 
@@ -205,6 +206,8 @@ def main() -> None:
             elastic_analysis(folder)
             if arguments.large:
                 large_analysis(folder)
+        if "cracking" in chosen:
+            cracking(folder, large=arguments.large)
         if "neutral_file" in chosen:
             neutral_file(folder)
     print(f"\nwhole run: {perf_counter() - start:.0f} s")
