@@ -1,0 +1,1 @@
+"""What the pages `verification.md` and `cracking.md` are made of."""
