@@ -1,6 +1,7 @@
 """gmsh is one per process: this opens it, quietly, for one model at a time and closes it again."""
 
 import os
+import signal
 import sys
 import threading
 from collections.abc import Iterator, Mapping
@@ -51,6 +52,7 @@ def gmsh_session(options: Mapping[str, float | str] | None = None) -> Iterator[M
         if opened:
             # A user's .gmshrc must not change the mesh; signals belong to the main thread.
             gmsh.initialize(readConfigFiles=False, interruptible=False)
+            _handle_signals_again()
         current = gmsh.model.getCurrent()
         before: dict[str, float | str] = {}
         try:
@@ -66,6 +68,16 @@ def gmsh_session(options: Mapping[str, float | str] | None = None) -> Iterator[M
                 gmsh.model.setCurrent(current)
                 for name, value in before.items():
                     _set_option(gmsh, name, value)
+
+
+def _handle_signals_again() -> None:
+    """Give the signals that end a process back to Python, from which gmsh has taken them."""
+    if threading.current_thread() is not threading.main_thread():
+        return
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and callable(handler := signal.getsignal(number)):
+            signal.signal(number, handler)
 
 
 @contextmanager

@@ -1,4 +1,6 @@
 import builtins
+import os
+import signal
 import sys
 import threading
 
@@ -15,6 +17,20 @@ def test_gmsh_is_closed_even_after_an_error():
     with pytest.raises(ZeroDivisionError), gmsh_session():
         raise ZeroDivisionError
     assert not gmsh.isInitialized()
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="this system has no such signals")
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_the_signals_that_end_a_process_still_reach_python(name):
+    # gmsh.initialize gives them back to the system, which ends the process on the spot.
+    number, caught = getattr(signal, name), []
+    before = signal.signal(number, lambda number, _: caught.append(number))
+    try:
+        with gmsh_session():
+            os.kill(os.getpid(), number)
+        assert caught == [number]
+    finally:
+        signal.signal(number, before)
 
 
 def test_a_session_of_the_caller_survives():
