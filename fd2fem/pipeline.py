@@ -41,7 +41,7 @@ from validation import (
     compare_facades,
     compare_responses,
     judge,
-    saturation_notes,
+    response_notes,
     write_comparison,
 )
 
@@ -121,7 +121,7 @@ def compare_models(candidate: Model, reference: Model, *, options: PipelineOptio
             quantities = compare_responses(
                 candidate.response, reference.response, tolerance=options.comparison.tolerance
             )
-            notes = saturation_notes(candidate.response, reference.response)
+            notes = response_notes(candidate.response, reference.response)
         except NoCommonWallError as error:
             if geometry is None:
                 raise

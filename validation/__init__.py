@@ -17,7 +17,7 @@ from validation.intervals import (
     t_interval,
     t_interval_from_moments,
 )
-from validation.response import compare_responses, saturation_notes
+from validation.response import compare_responses, response_notes
 from validation.sampling import (
     CommonDisplacements,
     NoCommonWallError,
@@ -42,7 +42,7 @@ __all__ = [
     "normal_interval",
     "normal_interval_from_moments",
     "relative_error",
-    "saturation_notes",
+    "response_notes",
     "standard_deviation",
     "standard_uncertainty",
     "t_interval",

@@ -23,7 +23,7 @@ from fd2fem.model import QuantityComparison, Response
 from validation.criterion import ComparisonOptions, relative_error, within_tolerance
 from validation.sampling import common_displacements, without_rigid_motion
 
-__all__ = ["FEET", "QUANTITIES", "Gate", "Quantity", "compare_responses", "saturation_notes"]
+__all__ = ["FEET", "QUANTITIES", "Gate", "Quantity", "compare_responses", "response_notes"]
 
 FEET = "foot_reactions_n"
 
@@ -118,6 +118,16 @@ def compare_responses(
         *_compare_feet(candidate, reference, tolerance, gated=cracked),
         *_compare_fields(candidate, reference, tolerance),
     )
+
+
+def response_notes(candidate: Response, reference: Response) -> tuple[str, ...]:
+    """What must be said of two responses beside their figures."""
+    laws = [model.solver.get("law") for model in (candidate, reference)]
+    notes = saturation_notes(candidate, reference)
+    if None in laws or laws[0] == laws[1]:
+        return notes
+    different = f"the candidate is {laws[0]}, the reference {laws[1]}: this tells them apart, not their shape"
+    return (different, *notes)
 
 
 def saturation_notes(candidate: Response, reference: Response) -> tuple[str, ...]:

@@ -119,9 +119,10 @@ def draw_response(response: Response, path: Path, *, title: str) -> None:
 
 def _stress_title(response: Response, tension: FloatArray) -> str:
     if not response.history:
-        return f"σ1, MPa: max {tension.max():.2f}"
+        return f"σ1, MPa: max {tension.max():.2f} (colours end at 99 %)"
     largest = response.max_principal_stress / 1e6
-    return f"σ1 after the last step, MPa: max {tension.max():.2f}; of all steps {largest:.2f}"
+    last = f"σ1 after the last step, MPa: max {tension.max():.2f} (colours end at 99 %)"
+    return f"{last}\nlargest of all steps {largest:.2f}"
 
 
 def draw_cracks(response: Response, path: Path) -> None:

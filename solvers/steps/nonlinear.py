@@ -144,6 +144,7 @@ class _Stepper:
         share = last + size
         frozen = self._strengths(state, size)
         trial = _Trial(self.ground(share), frozen, state.fields)
+        self.tangent.let_go(state.motion, self.ground(last))
         found = self._equilibrium(trial, state.motion, self.ground(last))
         if found is None:
             return None

@@ -14,7 +14,7 @@ from fd2fem.model import VolumeMesh
 from fd2fem.model.checks import check_positive
 from solvers.fem.connectivity import mesh_parts
 
-__all__ = ["BaseKind", "BaseOptions", "Support", "base_areas", "spring_forces", "support_of"]
+__all__ = ["BaseKind", "BaseOptions", "Support", "base_areas", "lifted", "spring_forces", "support_of"]
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -32,8 +32,8 @@ class BaseKind(StrEnum):
     """How the base follows the ground.
 
     TIED: in all directions. VERTICAL: up and down, and held across the wall; along it, only its middle.
-    ELASTIC: by springs. NO_TENSION: by springs that do not pull where the base lifts off; along the ground
-    they hold there as well: a joint that let go of both at once could leave the wall without equilibrium.
+    ELASTIC: by springs. NO_TENSION: by springs that let go where the base lifts off; along the ground, in the
+    step after it has. Where it presses, those hold whatever the pressure: there is no law of friction.
     """
 
     TIED = "tied"
@@ -139,8 +139,19 @@ def base_areas(mesh: VolumeMesh) -> FloatArray:
     return np.bincount(facets.ravel(), weights=shares, minlength=len(mesh.nodes)).astype(np.float64)
 
 
+def lifted(support: Support, displacement: FloatArray, ground: FloatArray) -> BoolArray:
+    """Which points of the base (k,) have lifted off the ground (k, 3), m, by displacements (m, 3), m."""
+    off: BoolArray = displacement[support.points, 2] > ground[:, 2]
+    return off & support.lifts
+
+
 def spring_forces(
-    support: Support, displacement: FloatArray, ground: FloatArray, *, rested_on: FloatArray | None = None
+    support: Support,
+    displacement: FloatArray,
+    ground: FloatArray,
+    *,
+    loose: BoolArray,
+    rested_on: FloatArray | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Forces (3m,), N, of the springs on the wall's side of the balance, and their stiffness (3m,), N/m.
 
@@ -150,6 +161,8 @@ def spring_forces(
     displacement : (m, 3) float array, m
     ground : (k, 3) float array, m
         Displacement of the ground under the base's points.
+    loose : (k,) bool array
+        Points that nothing holds along the ground.
     rested_on : (k, 3) float array, m, optional
         Where the ground is taken to be when it is asked which springs have let go; by default at `ground`. A
         ground that has just sunk would seem to have left the wall everywhere.
@@ -157,7 +170,7 @@ def spring_forces(
     stiffness = support.springs.reshape(-1, 3).copy()
     gap = np.zeros_like(displacement)
     gap[support.points] = displacement[support.points] - ground
-    if support.lifts:
-        above = displacement[support.points, 2] - (ground if rested_on is None else rested_on)[:, 2]
-        stiffness[support.points[above > 0.0], 2] *= OPEN
+    stiffness[support.points[loose], :2] *= OPEN
+    off = lifted(support, displacement, ground if rested_on is None else rested_on)
+    stiffness[support.points[off], 2] *= OPEN
     return (stiffness * gap).ravel(), stiffness.ravel()

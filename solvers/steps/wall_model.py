@@ -22,7 +22,7 @@ from solvers.compiled.stiffness import Sums, add_elements
 from solvers.compiled.tangents import Condensed, tangent_matrices
 from solvers.fem.connectivity import rigid_motions
 from solvers.fem.linear_solvers import LinearSolver, SolverName, checked_solve, make_solver
-from solvers.steps.supports import Support, spring_forces
+from solvers.steps.supports import Support, lifted, spring_forces
 
 __all__ = ["Balance", "Clock", "Tangent", "WallModel"]
 
@@ -134,6 +134,7 @@ class Tangent:
         self._free = model.pattern.equation >= 0
         self._stiffness = float(model.body.law.shear * np.cbrt(model.volumes.sum()))
         self._factorised = np.zeros(0)
+        self._loose = np.zeros(len(model.support.points), dtype=bool)
         motions = rigid_motions(model.body.points)[self._free]
         self._solver: LinearSolver = make_solver(solver, model.pattern, motions=motions)
 
@@ -141,6 +142,14 @@ class Tangent:
     def solver_name(self) -> str:
         """What solves the equations."""
         return self._solver.name
+
+    def let_go(self, motion: Motion, ground: FloatArray) -> None:
+        """Hold nothing along the ground, from now on, where the base has lifted off it at a motion.
+
+        Within a step this must not change: where a joint closes, its shear would jump, and Newton's method
+        with it.
+        """
+        self._loose = lifted(self.model.support, motion.displacement, ground)
 
     def balance(
         self,
@@ -171,7 +180,7 @@ class Tangent:
             modes[part] = -forces[:, width:]
             material, assembly = material + first, assembly + second + time.perf_counter() - begin
         self._book(time.perf_counter() - start, material, assembly)
-        springs, _ = spring_forces(self.model.support, motion.displacement, ground)
+        springs, _ = spring_forces(self.model.support, motion.displacement, ground, loose=self._loose)
         unbalanced = self.model.weight - total - springs
         held = np.where(self._free, 0.0, -unbalanced) - springs
         least = ROUND_OFF * self._stiffness * float(np.abs(motion.displacement).max())
@@ -229,7 +238,7 @@ class Tangent:
             material, assembly = material + first, assembly + second + time.perf_counter() - begin
         self._book(time.perf_counter() - start, material, assembly)
         springs, stiffness = spring_forces(
-            self.model.support, motion.displacement, ground, rested_on=rested_on
+            self.model.support, motion.displacement, ground, loose=self._loose, rested_on=rested_on
         )
         self.unbalanced = self.model.weight - sums.forces - springs
         self._stiffen(stiffness)

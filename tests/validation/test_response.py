@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fd2fem.errors import InputError
-from validation import compare_responses, judge, saturation_notes
+from validation import compare_responses, judge, response_notes
 
 SCALARS = {
     "max_displacement_m": "max_displacement",
@@ -219,10 +219,19 @@ def test_classes_of_damage_are_compared_where_both_walls_may_crack(wall, respons
 def test_stresses_at_the_strength_say_little_and_the_comparison_says_so(wall, response_on):
     masonry = {"masonry": {"tensile_strength": 1.15e6}}
     at_strength = response_on(wall, stretch, max_principal_stress=1.15e6, solver=masonry)
-    (note,) = saturation_notes(at_strength, at_strength)
+    (note,) = response_notes(at_strength, at_strength)
     assert "1.15 and 1.15 MPa" in note
     assert judge(None, compare_responses(at_strength, at_strength), notes=[note]).notes == (note,)
     below = response_on(wall, stretch, max_principal_stress=1.14e6, solver=masonry)
     elastic = response_on(wall, stretch, max_principal_stress=1.15e6, solver={"masonry": None})
     for other in (below, elastic, response_on(wall, stretch, max_principal_stress=1.15e6)):
-        assert saturation_notes(at_strength, other) == saturation_notes(other, at_strength) == ()
+        assert response_notes(at_strength, other) == response_notes(other, at_strength) == ()
+
+
+def test_a_note_says_that_one_wall_is_elastic(wall, response_on):
+    elastic, cracked = (
+        response_on(wall, stretch, solver={"law": law}) for law in ("linear elastic", "Drucker-Prager")
+    )
+    (note,) = response_notes(cracked, elastic)
+    assert note.startswith("the candidate is Drucker-Prager, the reference linear elastic")
+    assert response_notes(elastic, elastic) == ()

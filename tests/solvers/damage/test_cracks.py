@@ -12,7 +12,7 @@ from solvers.damage.cracks import crack_widths, element_cracks, principal_axes
 from solvers.fem.elements import STRESS_ORDER, tabulate
 from solvers.fem.nodal_stress import element_stress, mean_at_nodes
 from solvers.fem.stress import principal_stress
-from solvers.steps.supports import BaseKind, BaseOptions, base_areas, spring_forces, support_of
+from solvers.steps.supports import BaseKind, BaseOptions, base_areas, lifted, spring_forces, support_of
 
 
 @given(arrays(np.float64, 6, elements=st.floats(-100, 100)))
@@ -127,10 +127,13 @@ def test_a_joint_pushes_and_does_not_pull(grid):
     options = BaseOptions(BaseKind.NO_TENSION, normal_stiffness=4e6, shear_stiffness=4e5)
     support = support_of(mesh, mesh.nodes, base, options=options)
     moved = np.zeros((8, 3))
-    moved[base, 2] = [-1e-3, -1e-3, 1e-3, 1e-3]
-    force, stiffness = spring_forces(support, moved, np.zeros((4, 3)))
+    moved[base, 0], moved[base, 2] = 1e-3, [-1e-3, -1e-3, 1e-3, 1e-3]
+    loose = lifted(support, moved, np.zeros((4, 3)))
+    force, stiffness = spring_forces(support, moved, np.zeros((4, 3)), loose=loose)
     # A quarter of a square metre each: 1e6 N/m times 1 mm.
     assert force.reshape(-1, 3)[base, 2] == pytest.approx([-1e3, -1e3, 1e-3, 1e-3])
+    # Where it was open, it bears no shear either.
+    assert force.reshape(-1, 3)[base, 0] == pytest.approx([1e2, 1e2, 1e-4, 1e-4])
     assert (stiffness.reshape(-1, 3)[base] > 0.0).all()
 
 
