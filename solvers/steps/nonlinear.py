@@ -77,7 +77,7 @@ def apply_settlement(
     stepper = _Stepper(tangent or Tangent(model), law, ground, options)
     state = at_rest(model) if start is None else start
     if not state.history:
-        standing = stepper.step(state, 0.0)
+        standing = stepper.try_step(state, 0.0)
         if standing is None:
             msg = "The wall does not stand under its own weight: check its base, strength and density."
             raise ConvergenceError(msg)

@@ -67,13 +67,14 @@ def test_linear_between_rows():
     assert np.allclose(moved, expected, rtol=0, atol=1e-16)
 
 
-def test_table_may_miss_the_ends_by_rounding():
+@pytest.mark.parametrize("extent", [(0.0, 5.0), (0.0, 5.01), (-0.01, 5.0)])
+def test_table_may_miss_the_ends_of_a_scanned_wall(extent):
     table = SettlementTable(x=(1e-9, 5.0 - 1e-7), uz=(-0.01, -0.02))
-    moved = base_displacement(table, [0.0, 5.0], extent=(0.0, 5.0))
+    moved = base_displacement(table, extent, extent=extent)
     assert moved[:, 2].tolist() == [-0.01, -0.02]
 
 
-@pytest.mark.parametrize("extent", [(0.0, 4.95), (-0.01, 4.0), (-1.0, 9.0)])
+@pytest.mark.parametrize("extent", [(0.0, 4.95), (-0.1, 4.0), (-1.0, 9.0)])
 def test_table_must_cover_the_base(extent):
     table = SettlementTable(x=(0.0, 4.5), uz=(-0.01, -0.01))
     message = f"covers x = 0 to 4.5 m, but the wall's base runs from {extent[0]:.6g} to {extent[1]:.6g} m"
