@@ -78,7 +78,7 @@ def snap_warning(history: tuple[LoadStep, ...]) -> tuple[str, ...]:
     return (
         f"{100.0 * free[-1] / work:.0f} % of the work of weight and ground was set free as motion, most "
         f"of it at {100.0 * share:.1f} % of the settlement: cracks ran there at once, or the steps are too "
-        "large; take more of them, and read the states beyond as one of several that the wall may jump to",
+        "large (try more); beyond, the wall is in one of several states that it may jump to",
     )
 
 
