@@ -10,7 +10,7 @@ from material_point import LAW, MASONRY, MATERIAL, NEVER, cone_value
 from numpy.typing import NDArray
 
 from fd2fem.model import ElementKind, VolumeMesh
-from solvers.compiled.cracking import Body, PointFields, Strengths
+from solvers.compiled.cracking import Body, Motion, PointFields, Strengths
 from solvers.compiled.pattern import build_pattern
 from solvers.compiled.stiffness import Rule, element_gradients, element_volumes
 from solvers.fem.assembly import elastic_body
@@ -232,7 +232,8 @@ def equilibrium_path(
             scale = max(np.linalg.norm(tangent.model.weight), np.linalg.norm(tangent.unbalanced))
             if iteration and unbalanced <= 1e-8 * scale:
                 break
-            motion = tangent.newton_step(motion)
+            change = tangent.newton_change()
+            motion = Motion(motion.displacement + change.displacement, motion.modes + change.modes)
         else:
             message = f"no equilibrium at {share}: {unbalanced} N"
             raise AssertionError(message)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fd2fem.model import ElementKind, VolumeMesh
+from fd2fem.model.topology import EDGES
 
 __all__ = ["ElementTable", "ElementType", "Space", "displacement_space", "shape_functions", "tabulate"]
 
@@ -23,11 +24,9 @@ FloatArray = NDArray[np.float64]
 HEXAHEDRON_CORNERS = np.array(
     [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], dtype=np.float64
 )
-HEXAHEDRON_EDGES = np.array(
-    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]]
-)
+HEXAHEDRON_EDGES = np.array(EDGES[ElementKind.HEXAHEDRON])
 TETRAHEDRON_CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=np.float64)
-TETRAHEDRON_EDGES = np.array([[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]])
+TETRAHEDRON_EDGES = np.array(EDGES[ElementKind.TETRA10])
 
 STIFFNESS_ORDER = {ElementKind.HEXAHEDRON: 5, ElementKind.HEXAHEDRON20: 5, ElementKind.TETRA10: 2}
 """Degree that the stiffness is integrated to: 27 and 4 points, those of C3D20 and C3D10."""

@@ -8,16 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fd2fem.model import VolumeMesh
-from solvers.fem.connectivity import parts
+from solvers.fem.connectivity import FACETS, parts
 from solvers.fem.elements import HEXAHEDRON_EDGES, Space
 
 __all__ = ["Feet", "foot_forces", "foot_records", "wall_feet"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
-
-CORNERS = {3: 3, 6: 3, 4: 4, 8: 4}
-"""Corners of a facet, by its nodes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +53,7 @@ def wall_feet(mesh: VolumeMesh, space: Space) -> Feet:
         Of the mesh.
     """
     facets = mesh.groups["base"]
-    ring = facets[:, : CORNERS[facets.shape[1]]]
+    ring = facets[:, : FACETS[mesh.kind].shape[1]]
     edges = np.sort(np.stack([ring, np.roll(ring, -1, axis=1)], axis=-1), axis=-1)
     keys = edges[..., 0] * len(mesh.nodes) + edges[..., 1]
     part = parts(np.unique(keys, return_inverse=True)[1].reshape(keys.shape))

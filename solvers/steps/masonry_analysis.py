@@ -9,7 +9,7 @@ import numpy as np
 
 from fd2fem.errors import ConvergenceError
 from fd2fem.model import ElementKind, Response, VolumeMesh
-from solvers.fem.connectivity import check_held, check_supported
+from solvers.fem.connectivity import check_supported
 from solvers.fem.feet import wall_feet
 from solvers.ground.settlement import base_displacement
 from solvers.masonry import MasonryLaw, check_band
@@ -61,9 +61,6 @@ def prepare(mesh: VolumeMesh, *, options: AnalysisOptions) -> StepAnalysis:
         base=options.base,
         element=element_of(mesh.kind, options),
     )
-    support = model.support
-    held = support.prescribed | (support.springs > 0.0)
-    check_held(mesh, space.points, held.reshape(-1, 3))
     ends = float(mesh.nodes[:, 0].min()), float(mesh.nodes[:, 0].max())
     return StepAnalysis(
         mesh=mesh,

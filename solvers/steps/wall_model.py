@@ -268,11 +268,6 @@ class Tangent:
         modes = -self._lag - np.einsum("eij,ej->ei", self._follow, local)
         return Motion(change.reshape(-1, 3), modes)
 
-    def newton_step(self, motion: Motion) -> Motion:
-        """The motion after one iteration from the state that was assembled."""
-        change = self.newton_change()
-        return Motion(motion.displacement + change.displacement, motion.modes + change.modes)
-
     def _book(self, elapsed: float, material: float, assembly: float) -> None:
         """Share out the time of a pass over the elements, on several cores, by what the cores did."""
         share = material / (material + assembly)
