@@ -31,6 +31,11 @@ class ElementKind(StrEnum):
         """Nodes of a facet."""
         return {"hexahedron": 4, "hexahedron20": 8, "tetra10": 6}[self.value]
 
+    @property
+    def facet_corners(self) -> int:
+        """Corners of a facet, which come first among its nodes."""
+        return 3 if self is ElementKind.TETRA10 else 4
+
 
 @dataclass(frozen=True, eq=False)
 class VolumeMesh:

@@ -29,8 +29,6 @@ __all__ = ["draw_cracked_walls", "draw_cracks", "draw_mesh", "draw_response", "d
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
-CORNERS = {4: 4, 8: 4, 6: 3}
-"""Corners of a facet, by its nodes."""
 FACING = 0.5
 """A facet is of the front if its outward normal has more than this part across the wall."""
 SHORT, THIN = 0.03, 1e-5
@@ -47,8 +45,7 @@ class Front(NamedTuple):
 
 def front_of(mesh: VolumeMesh) -> Front:
     """The facets that face outwards, of a mesh with or without groups."""
-    nodes = np.array(FACETS[mesh.kind])
-    corners = nodes[:, : CORNERS[nodes.shape[1]]]
+    corners = np.array(FACETS[mesh.kind])[:, : mesh.kind.facet_corners]
     facets = mesh.elements[:, corners].reshape(-1, corners.shape[1])
     owner = np.repeat(np.arange(len(mesh.elements)), len(corners))
     _, first, count = np.unique(np.sort(facets, axis=1), axis=0, return_index=True, return_counts=True)
@@ -151,7 +148,7 @@ def _crack_map(figure: "Figure", axis: "Axes", response: Response, *, top: float
     from matplotlib.collections import LineCollection
 
     mesh, front = response.mesh, front_of(response.mesh)
-    opening = response.crack_opening[front.owner]
+    opening = np.ma.masked_equal(response.crack_opening[front.owner], 0.0)
     picture = _colours(axis, mesh, front, 1000.0 * opening, "YlOrRd", (0.0, 1000.0 * top or 1.0))
     if top == 0.0:
         axis.set_title(f"{title}: none", fontsize=9)
@@ -181,14 +178,13 @@ def crack_lines(response: Response, front: Front, *, narrowest: float) -> FloatA
 def _colours(
     axis: "Axes", mesh: VolumeMesh, front: Front, values: FloatArray, cmap: str, limits: tuple[float, float]
 ) -> Any:
-    """Fill the facets of the front by a value each; where it is 0 or less, as intact wall."""
+    """Fill the facets of the front by a value each; where it is masked, as intact wall."""
     from matplotlib import colormaps
     from matplotlib.collections import PolyCollection
 
     colours = colormaps[cmap].with_extremes(bad=INTACT)
-    shown = np.ma.masked_less_equal(values, 0.0)
     picture = PolyCollection(
-        list(_plan(mesh)[front.corners]), array=shown, cmap=colours, edgecolors="#bbb4ab", linewidths=0.2
+        list(_plan(mesh)[front.corners]), array=values, cmap=colours, edgecolors="#bbb4ab", linewidths=0.2
     )
     picture.set_clim(*limits)
     axis.add_collection(picture)

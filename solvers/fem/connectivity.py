@@ -4,14 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fd2fem.errors import InputError
-from fd2fem.model import ElementKind, VolumeMesh, topology
+from fd2fem.model import VolumeMesh, topology
 
 __all__ = ["check_held", "check_supported", "mesh_parts", "parts", "rigid_motions"]
 
-FACETS = {
-    kind: np.array(facets)[:, : 3 if kind is ElementKind.TETRA10 else 4]
-    for kind, facets in topology.FACETS.items()
-}
+FACETS = {kind: np.array(facets)[:, : kind.facet_corners] for kind, facets in topology.FACETS.items()}
 """Corners of each element's facets, without the middles of their edges."""
 
 MOTIONS = ("shift along x", "shift along y", "shift along z", "turn about x", "turn about y", "turn about z")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fd2fem.model import VolumeMesh
-from solvers.fem.connectivity import FACETS, parts
+from solvers.fem.connectivity import parts
 from solvers.fem.elements import HEXAHEDRON_EDGES, Space
 
 __all__ = ["Feet", "foot_forces", "foot_records", "wall_feet"]
@@ -53,7 +53,7 @@ def wall_feet(mesh: VolumeMesh, space: Space) -> Feet:
         Of the mesh.
     """
     facets = mesh.groups["base"]
-    ring = facets[:, : FACETS[mesh.kind].shape[1]]
+    ring = facets[:, : mesh.kind.facet_corners]
     edges = np.sort(np.stack([ring, np.roll(ring, -1, axis=1)], axis=-1), axis=-1)
     keys = edges[..., 0] * len(mesh.nodes) + edges[..., 1]
     part = parts(np.unique(keys, return_inverse=True)[1].reshape(keys.shape))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from fd2fem.model import VolumeMesh
 from fd2fem.model.checks import check_positive
-from solvers.fem.connectivity import FACETS, mesh_parts
+from solvers.fem.connectivity import mesh_parts
 
 __all__ = ["BaseKind", "BaseOptions", "Support", "base_areas", "lifted", "spring_forces", "support_of"]
 
@@ -130,7 +130,7 @@ def base_areas(mesh: VolumeMesh) -> FloatArray:
     the diagonal of their mass matrix (Hinton, Rock & Zienkiewicz 1976): all shares are positive.
     """
     facets = mesh.groups["base"]
-    corners = FACETS[mesh.kind].shape[1]
+    corners = mesh.kind.facet_corners
     ring = mesh.nodes[facets[:, :corners]]
     arms = ring - ring[:, :1]
     area = 0.5 * np.linalg.norm(np.cross(arms[:, 1:-1], arms[:, 2:]).sum(axis=1), axis=1)
